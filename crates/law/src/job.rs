@@ -1,4 +1,4 @@
-//! The job file (`scene.json`): everything a foreign solver needs of a scene, for those that read JSON.
+//! Job file (`scene.json`): all data of a scene for foreign solvers that read JSON.
 
 use std::path::Path;
 
@@ -10,39 +10,39 @@ use serde_json::{Value, json};
 use crate::law::{Law, LawError};
 use crate::{JOB_FILE, STATE};
 
-/// The file a solver writes its time series to.
+/// File of the time series that a solver writes.
 pub const COURSES_FILE: &str = "courses.csv";
-/// Name of the file for time series as Parquet. A solver writes either this or [`COURSES_FILE`].
+/// File of the time series as Parquet; a solver writes either this or [`COURSES_FILE`].
 pub const PARQUET_FILE: &str = "courses.parquet";
-/// The file a solver may write its counts and remarks to.
+/// File for counts and remarks, which a solver may write.
 pub const RESULT_FILE: &str = "result.json";
 
-/// Why a job could not be written.
+/// Reason why a job could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
-    /// The scene.
+    /// Fault of the scene.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The folder.
+    /// Fault of the folder.
     #[error("{0}")]
     Io(#[from] std::io::Error),
 }
 
-/// Columns that the time series of a scene must have, in their order, the time first.
+/// Returns the columns that the time series of a scene must have, in order, the time first.
 #[must_use]
 pub fn required(gearbox: &Gearbox) -> Vec<String> {
     let time = std::iter::once(columns::TIME.to_owned());
     time.chain(Recorder::contract(gearbox)).collect()
 }
 
-/// The job of a scene. `law_library`: where `libpinwheel_law` is, if it is anywhere.
+/// Returns the job of a scene. `law_library`: path of `libpinwheel_law`, if known.
 ///
 /// # Errors
 /// A scene whose contacts cannot be built.
 pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
     let law = Law::of(gearbox)?;
     let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
-    // Keys with a value for "nothing" are written, too.
+    // Keys with a value that means none are written, too.
     for key in KEYS {
         let nothing = match key.kind {
             Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),
@@ -89,14 +89,14 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
 /// Writes the job of a scene into a folder.
 ///
 /// # Errors
-/// As [`job`], and what cannot be written.
+/// Errors of [`job`], and files that cannot be written.
 pub fn write(gearbox: &Gearbox, folder: &Path, law_library: Option<&Path>) -> Result<(), JobError> {
     let text = format!("{:#}\n", job(gearbox, law_library)?);
     std::fs::write(folder.join(JOB_FILE), text)?;
     Ok(())
 }
 
-/// JSON schema (draft 2020-12) of job files of this protocol.
+/// Returns the JSON schema (draft 2020-12) of job files of this protocol.
 ///
 /// ```
 /// let schema = pinwheel_law::job::schema();
