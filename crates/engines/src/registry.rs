@@ -1,4 +1,4 @@
-//! The engines of this build, made by their families.
+//! Engines of this build, made by their families.
 
 use pinwheel_scene::Scene;
 
@@ -8,7 +8,7 @@ use crate::info::EngineInfo;
 use crate::known::known;
 use crate::native::Native;
 
-/// Makes an engine; `None` where this build or this Python lacks it.
+/// Makes an engine; `None` if this build or this Python lacks it.
 fn make(info: &'static EngineInfo<'static>) -> Option<Box<dyn Engine>> {
     match info.family() {
         "native" => Some(Box::new(Native::new(info.form?))),
@@ -27,11 +27,11 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     known().filter(|info| make(info).is_none())
 }
 
-/// Returns what adds an engine that this build lacks; `None` for engines of every build.
+/// Returns the command that adds an engine missing in this build; `None` for engines of every build.
 #[must_use]
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
-    // Where a Python holds us, its packages are the engines.
+    // Inside Python, packages provide the engines.
     #[cfg(all(feature = "python", not(feature = "crossval")))]
     if let Some(pin) = crate::python::requirement(info.package) {
         return Some(format!("pip install {pin}"));
@@ -39,13 +39,13 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     Some(format!("build with --features {feature}"))
 }
 
-/// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
+/// Returns all engines of this build, native first, then added solvers ([`admit`](crate::external::admit)).
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
     known().filter_map(make).chain(admitted()).collect()
 }
 
-/// Returns the engine of a name; `native` is the native solver in the formulation that the scene asks for.
+/// Returns an engine by name; `native` is the native solver in the scene's formulation.
 #[must_use]
 pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     if name == "native" {
@@ -55,8 +55,7 @@ pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     registry().into_iter().find(|engine| engine.name() == name)
 }
 
-/// Returns the name of an engine that pages and terminals call by its short one; a solver that joined by that name comes
-/// first.
+/// Returns the full name of an engine from its short one; an added solver of that name takes precedence.
 #[must_use]
 pub fn full_name(name: &str) -> &str {
     if admitted().any(|engine| engine.name() == name) {

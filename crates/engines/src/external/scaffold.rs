@@ -1,9 +1,9 @@
-//! Small solvers that work, to begin with: the examples of `examples/solvers` under a name of one's own.
+//! Small working solvers as templates: the examples of `examples/solvers` with another name.
 
 use std::path::Path;
 use std::{fs, io};
 
-/// An example in a language.
+/// Example in a language.
 #[derive(Debug, Clone, Copy)]
 pub struct Language {
     /// Name of the example and its folder.
@@ -26,7 +26,7 @@ macro_rules! languages {
     };
 }
 
-/// The languages that there are examples in: how they are typed, what the example is, the example.
+/// Languages with examples: name for the command, description, example.
 pub static LANGUAGES: [(&str, &str, Language); 4] = languages! {
     "c" "C, Runge-Kutta 4": "c-rk4" "solver.c", true;
     "cpp" "C++, Runge-Kutta 4": "cpp-rk4" "solver.cpp", true;
@@ -34,14 +34,14 @@ pub static LANGUAGES: [(&str, &str, Language); 4] = languages! {
     "python" "Python, Heun": "python-heun" "solver.py", false;
 };
 
-/// The header of the law library.
+/// Header of the law library.
 pub(crate) const HEADER: &str = include_str!(concat!(
     env!("PINWHEEL_SHIPPED"),
     "/crates/law/include/pinwheel_law.h"
 ));
 
 impl Language {
-    /// The files of a solver called `name`: their names and texts.
+    /// Returns names and texts of the files of a solver named `name`.
     #[must_use]
     pub fn files(self, name: &str) -> Vec<(&'static str, String)> {
         let example = format!("\"{}\"", self.example);
@@ -54,7 +54,7 @@ impl Language {
         files
     }
 
-    /// Writes the files of a solver called `name` into a folder that is there; gives their names.
+    /// Writes the files of a solver named `name` into an existing folder; returns their names.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -1,7 +1,7 @@
 //! Stated tolerances of engines whose contact model differs from the native one.
 //!
-//! A tolerance belongs to a model, not to a scene: a bed of 4000 springs resolves a contact patch to a known share.
-//! It holds for any gear, and a scene that exceeds it is a finding.
+//! A tolerance belongs to a model, not to a scene: a bed of 4000 springs resolves a contact patch to a known share. It applies
+//! to any gear, and a scene that exceeds it is a finding.
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
@@ -23,7 +23,7 @@ macro_rules! statements {
 
 const STEADY: Option<WindowKind> = Some(WindowKind::Steady);
 
-/// Disc edges as beds of springs, holes by the law itself.
+/// Disc edges as beds of springs, holes by the native law.
 pub(super) const BED: &[ModelTolerance] = statements! {
     Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 5e-3,
     "A bed of springs conserves energy; what the law creates is predicted, its edges and damping are not.";
@@ -35,7 +35,7 @@ pub(super) const BED: &[ModelTolerance] = statements! {
     "The law itself but for the ramp S, under external forces that differ.";
 };
 
-/// Our normal forces in rapier's solver.
+/// Pinwheel's normal forces in rapier's solver.
 pub(super) const HOOK: &[ModelTolerance] = statements! {
     Without, None, "*_sleeve_force_n|*_torque_n_m|output_angle_rad", RelativeL2, Same, 0.0,
     "Our normal forces in rapier's solver: without friction no difference of the model is left.";

@@ -1,4 +1,4 @@
-//! Files of an atlas; an interrupted atlas is read back from them.
+//! Files of an atlas, from which an interrupted atlas is resumed.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ struct Studied<'a> {
     atlas: &'a Atlas,
 }
 
-/// Part of an earlier study that its continuation needs.
+/// Part of an earlier study required for its continuation.
 #[derive(Deserialize)]
 struct Earlier {
     atlas: Atlas,
