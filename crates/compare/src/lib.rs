@@ -11,8 +11,8 @@
 //!  A at h against B at h ────────────────────────────> D ───┘   U > resolution   inconclusive, with the remedy
 //! ```
 //!
-//! * [`uncertainty`]: the numerical uncertainty u of a run, from the same engine's runs at coarser settings.
-//! [`uncertainty`]: numerical uncertainty u of a run, from the same engine's runs at coarser settings.
+//! * [`uncertainty`]: numerical uncertainty u of a run, from the same engine's runs at coarser settings.
+//! * [`verdict`]: the four verdicts.
 //! * [`shown`]: evidence for what the user brought, and [`Comparison::exit_status`].
 //! * [`model`]: engines with a contact model of their own, whose difference is an interval against a prediction.
 //! * [`validation`]: measured data, by ASME V&V 20.

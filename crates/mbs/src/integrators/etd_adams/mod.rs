@@ -13,7 +13,7 @@
 //! Runge-Kutta method of order five takes six for a slightly longer step.
 //!
 //! Every segment begins with Dormand-Prince, whose dense output gives the history. Dormand-Prince takes over again if steps
-//! fall below a sixth of its own, and makes all steps of a system without a Jacobian.
+//! fall below a fiftieth of its own, and makes all steps of a system without a Jacobian.
 //!
 //! Steps end at the times that the caller requests next ([`Stepper::set_stop_time`]): the step to a sample and the sample share
 //! one evaluation. The sample is then the predicted state, unless its error is too large. Steps change by factors of two (and
