@@ -21,7 +21,7 @@ pub enum CompareError {
     },
     /// Two engines have a different number of samples on an otherwise equal grid.
     #[error(
-        "`{a}` has {samples_a} samples and `{b}` {samples_b}; they part after {time_s} s: write both on one grid"
+        "`{a}` has {samples_a} samples and `{b}` {samples_b}; they differ after {time_s} s: write both on one grid"
     )]
     Samples {
         /// First engine.

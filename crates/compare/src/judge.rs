@@ -341,7 +341,7 @@ impl Judge<'_> {
         );
         if quadrature > self.rules.resolution {
             return Assessment::not_compared(format!(
-                "the samples are too far apart for the mean output torque: it is known to {quadrature:.1e} of the load"
+                "the samples are too far apart for the mean output torque, which is uncertain by {quadrature:.1e} of the load"
             ));
         }
         let left_over = share(balance.left_over.abs());
@@ -351,7 +351,7 @@ impl Judge<'_> {
                 Metric::MeanAgainstLoad,
                 left_over.is_finite().then_some(left_over),
                 rounding + quadrature + own,
-                "In the mean, contact forces and load give the output shaft its acceleration, whatever the law and engine.",
+                "On average, contact forces and load give the output shaft its acceleration, for any law and engine.",
             )
         };
         let found = if !(own <= self.rules.resolution) {
@@ -382,7 +382,7 @@ fn relative(
     match of.map(|of| of.of(norm)) {
         None => Err(Unresolved::new(
             "its numerical uncertainty is not known",
-            "give the runs of its refinement study, or a recording that holds its uncertainty",
+            "give the runs of its refinement study, or a recording with its uncertainty",
         )),
         Some(Uncertainty::Unknown(missing)) => Err(missing.clone()),
         Some(Uncertainty::Known(estimate)) => {

@@ -89,7 +89,7 @@ pub(crate) fn uncertainty(
                 }
                 None => missing(&Unresolved::new(
                     "its recording holds no uncertainty of this window",
-                    "record it anew, or run it live",
+                    "record it again, or run it live",
                 )),
             }
         }

@@ -110,7 +110,7 @@ pub fn windows(
     let mut offer = |kind: WindowKind, from_s: f64, to_s: f64| {
         let samples = time_series.window(from_s, to_s).len();
         if samples < FEWEST_SAMPLES {
-            let reason = format!("it would hold {samples} samples, fewer than {FEWEST_SAMPLES}");
+            let reason = format!("it would have {samples} samples, fewer than {FEWEST_SAMPLES}");
             absent.push(AbsentWindow { kind, reason });
             return false;
         }

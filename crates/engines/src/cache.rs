@@ -123,7 +123,7 @@ impl<T> CachedBuild<'_, T> {
         }
         fs::rename(draft.keep(), &folder).map_err(refused)?;
         (self.whole)(&folder).ok_or_else(|| {
-            let reason = "what was just made does not start, or lacks what was asked for";
+            let reason = "the new build does not start, or lacks a required part";
             unless_stopped(cancel, storage(&folder, reason))
         })
     }
@@ -158,7 +158,7 @@ pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
             Ok(()) => return Ok(file),
             Err(TryLockError::WouldBlock) => {
                 note.get_or_insert_with(|| Note::new("waiting"))
-                    .say("another process makes what this one needs");
+                    .say("another process builds the required parts");
                 if cancel.load(Ordering::Relaxed) {
                     return Err(Cancelled.into());
                 }

@@ -77,7 +77,7 @@ impl Run {
         let families = missing.families().into_iter();
         let families: Vec<&str> = families.map(|(family, _)| family.pattern).collect();
         self.stats.notes.push(format!(
-            "This engine does not know {} of the {} channels asked for: {}.",
+            "This engine does not know {} of the {} requested channels: {}.",
             missing.len(),
             asked.len(),
             families.join(", ")

@@ -66,14 +66,14 @@ pub struct Recording {
 pub enum RecordingError {
     /// Description that cannot be read.
     #[error(
-        "the description of the recording is broken: {0}; record it anew with `pinwheel record`"
+        "the description of the recording is broken: {0}; record it again with `pinwheel record`"
     )]
     Description(#[from] toml::de::Error),
     /// Description that cannot be written.
     #[error("the description of the recording cannot be written: {0}")]
     Unwritable(#[from] toml::ser::Error),
     /// Time series that cannot be read.
-    #[error("the recorded time series are broken: {0}; record them anew with `pinwheel record`")]
+    #[error("the recorded time series are broken: {0}; record them again with `pinwheel record`")]
     TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }
 

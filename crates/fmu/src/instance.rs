@@ -113,7 +113,7 @@ impl Instance {
         }
         let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
         refused(format!(
-            "{call} came {}; it may come {}",
+            "{call} was called {}; it may be called {}",
             self.prescribed.phase.words(),
             wanted.join(" or ")
         ))
@@ -132,7 +132,7 @@ impl Instance {
         self.in_phase("fmi2SetupExperiment", &[Phase::Instantiated])?;
         if !start_s.is_finite() {
             return refused(format!(
-                "fmi2SetupExperiment: a start at {start_s} s is no time"
+                "fmi2SetupExperiment: a start at {start_s} s is not a valid time"
             ));
         }
         if let Some(stop) = stop_s.filter(|stop| !(*stop >= start_s)) {
@@ -465,7 +465,7 @@ impl Instance {
                 _ => other.insert(self.model.begin(&prescribed.begun, prescribed.tolerance)?),
             };
             if !gear.restore(state) {
-                return refused("the state is none of this unit");
+                return refused("the state is not one of this unit");
             }
             self.gear = other.or(self.gear.take());
         } else {

@@ -110,7 +110,7 @@ const FLAGS: &[(&str, What, &str)] = rows! {
 /// Columns of every run; as variables they are numbered by position.
 const COLUMNS: &[(&str, (), &str)] = rows! {
     "input_torque_n_m" (), "torque of the drive on the input shaft, counter-clockwise";
-    "output_torque_n_m" (), "all that turns the output shaft but its load, counter-clockwise";
+    "output_torque_n_m" (), "all torques on the output shaft except its load, counter-clockwise";
     "output_angle_rad" (), "angle of the output shaft, counter-clockwise";
     "external_sleeve_force_n_*" (), "force of all discs on the ring pin";
     "internal_sleeve_force_n_*" (), "force of all discs on the output pin";
@@ -355,7 +355,7 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     let begun = CoSimulation::new(gearbox, Setup::of(&gearbox.scene.drive))
         .map_err(|error| error.to_string())?;
     let about =
-        "relative error a step of adaptive methods; one that the importer gives goes before it";
+        "relative error a step of adaptive methods; a tolerance of the importer takes precedence";
     // A fixed step uses no tolerance.
     if begun.adaptive() {
         add("solver.tolerance", about, What::Tolerance, begun.method().1);

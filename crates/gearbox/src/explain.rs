@@ -84,8 +84,8 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     };
     modelled.add(
         stage,
-        "cranks turn by (1 + rho) output - rho input, rho = sun/planet, and by what the mesh gives way, a spring without mass; \
-         their inertia acts as (1 + rho)^2 of it on the output",
+        "cranks turn by (1 + rho) output - rho input, rho = sun/planet, and by the deflection of the mesh, a spring without \
+         mass; their inertia acts as (1 + rho)^2 of it on the output",
     );
     match cranks.support_stiffness_n_m {
         Some(stiffness) => modelled.add(
@@ -99,12 +99,12 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     }
     left_out.add(
         "play and losses of the first stage's mesh, and the cranks' bending",
-        "so is the radial part of the mesh's forces; without cranks.mesh_stiffness_n_m the mesh is rigid, which changes the \
-         gear's stiffness by less than a per cent",
+        "the radial part of the mesh's forces is left out, too; without cranks.mesh_stiffness_n_m the mesh is rigid, which \
+         changes the gear's stiffness by less than a per cent",
     );
     left_out.add(
         "the cranks' reaction on the driver",
-        "what their turning speeds up and down with the output; its mean is 0",
+        "from the cranks' acceleration with the output; its mean is 0",
     );
 }
 
@@ -117,7 +117,7 @@ fn pins(scene: &Scene, modelled: &mut Statements) {
         if !turns {
             modelled.add(
                 format!("{pins} pins that do not turn: {holder} holds them"),
-                "discs slide on them; their rates are no unknowns",
+                "discs slide on them; their rates are not unknowns",
             );
         }
     }
@@ -205,7 +205,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
                 ),
                 false => format!("{} disc angles, the output angle{spins}", layout.wheels),
             },
-            "all that forces can change",
+            "all coordinates that forces can change",
         );
         left_out.add(
             format!("{} translations and their joint multipliers", 2 * bodies),
@@ -294,7 +294,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             "at once".to_owned()
         };
         let reached = if time < solver.duration_s {
-            "no step passes over the change: integration starts anew there".to_owned()
+            "no step passes over the change: integration restarts there".to_owned()
         } else {
             format!("never reached: the run ends at {} s", solver.duration_s)
         };

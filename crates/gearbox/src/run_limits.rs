@@ -92,7 +92,7 @@ impl Pace {
                 )
             };
             return Err(format!(
-                "{} has come down to steps of {step:.1e} s, {left:.0e} of them to the end: the forces are too stiff for \
+                "{} has reduced its steps to {step:.1e} s, with {left:.0e} of them left: the forces are too stiff for \
                  it, or the run is too long; {remedy}",
                 self.integrator
             ));

@@ -88,8 +88,7 @@ pub fn on<T>(
 ) -> T {
     guarded(failed, || {
         let law = LAWS.find(handle);
-        let law = law
-            .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))?;
+        let law = law.ok_or_else(|| argument("the handle is not open: null, closed or invalid"))?;
         // The law stays valid after a panic, because it keeps no state between calls.
         let mut law = law.lock().unwrap_or_else(PoisonError::into_inner);
         call(&mut law)
@@ -139,7 +138,7 @@ pub unsafe extern "C" fn pinwheel_law_open(
 ) -> i32 {
     guarded(identity, || {
         if out.is_null() {
-            return Err(argument("`out` is null; give the place of a handle"));
+            return Err(argument("`out` is null; give the address of a handle"));
         }
         // SAFETY: not null, and the caller promises an address.
         unsafe { out.write(ptr::null_mut()) };

@@ -24,7 +24,7 @@ pub enum LawError {
     #[error("{0}")]
     Gearbox(#[from] GearboxError),
     /// Array of a wrong length.
-    #[error("{what} must hold {wanted} numbers, not {given}")]
+    #[error("{what} must have {wanted} numbers, not {given}")]
     Length {
         /// Name of the array.
         what: &'static str,
@@ -40,7 +40,7 @@ pub enum LawError {
         body: usize,
     },
     /// Forces that are not finite.
-    #[error("the load on body {body} is not finite: the state is far from any a gearbox can be in")]
+    #[error("the load on body {body} is not finite: no gearbox can be in such a state")]
     Overflow {
         /// Index of the body.
         body: usize,

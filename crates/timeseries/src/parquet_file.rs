@@ -34,7 +34,7 @@ pub enum ParquetFault {
         most: usize,
     },
     /// Damaged Parquet file, on which the library fails.
-    #[error("Parquet: the file is damaged; write it anew")]
+    #[error("Parquet: the file is damaged; write it again")]
     Damaged,
     /// Parquet file without time series.
     #[error(transparent)]

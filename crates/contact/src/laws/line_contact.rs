@@ -70,7 +70,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     summary: "cylinders on a line after Palmgren, exponent 10/9, with the paper's damping",
     formula: "max(0, K_L delta^(10/9) + S(delta) C v), K_L = H (1000/3.84e-5)^(10/9) L_mm^(8/9)",
     source: "A. Palmgren, Ball and Roller Bearing Engineering, 3rd ed., 1959: delta = 3.84e-5 F^0.9/L^0.8 (mm, N)",
-    domain: "steel cylinders of like length; the radii do not enter",
+    domain: "steel cylinders of equal length; the radii do not enter",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &[
         "contact.line_length_m",

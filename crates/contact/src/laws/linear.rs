@@ -47,7 +47,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     summary: "linear springs, one stiffness for external and one for internal contacts",
     formula: "max(0, k delta + S(delta) C v)",
     source: "Hooke's law, as rigid-body engines have it in place of a contact law",
-    domain: "loads are shared as if all contacts of a stage were alike; without play no force depends on k",
+    domain: "loads are shared as if all contacts of a stage were equal; without play no force depends on k",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &[
         "contact.external_spring_n_m",
@@ -58,6 +58,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     restitution_factor: None,
     conservative: true,
     shape: Shape::Fitted,
-    materials: "that of the stiffness given",
+    materials: "that of the given stiffness",
     stiffness: Some(stages),
 };

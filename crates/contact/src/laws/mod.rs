@@ -182,7 +182,7 @@ impl Shape {
             Self::Sphere => "balls that touch in a point; the face width does not enter",
             Self::Line => "rollers that touch on a line; stiffness grows with the face width",
             Self::Fitted => {
-                "whatever the one stiffness was fitted to; the face width does not enter"
+                "those to which the one stiffness was fitted; the face width does not enter"
             }
         }
     }

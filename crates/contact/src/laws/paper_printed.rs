@@ -31,7 +31,7 @@ pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {
 
 pub(super) const INFO: LawInfo = LawInfo {
     name: "paper-printed",
-    summary: "the paper's law without our clamp: contacts that part quickly pull",
+    summary: "the paper's law without the clamp at 0: contacts that separate quickly pull",
     formula: "S(delta) (K delta^1.5 + C v)",
     source: "the paper, Eq. 20 as printed",
     domain: "studies of the published model only: the force is adhesive for v < -K delta^1.5/C",

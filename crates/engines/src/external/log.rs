@@ -46,7 +46,7 @@ impl Limits {
         }
         if log.bytes > self.log_bytes {
             return Some(End::Stopped(format!(
-                "it wrote more than {} MB to stdout and stderr; let it say less",
+                "it wrote more than {} MB to stdout and stderr; reduce its output",
                 self.log_bytes >> 20
             )));
         }

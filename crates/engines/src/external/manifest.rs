@@ -190,13 +190,13 @@ impl Manifest {
             };
             require(
                 word.split('{').skip(1).all(is_place),
-                format!("{word:?} in command has a `{{` that stands for nothing"),
+                format!("{word:?} in command has a `{{` that begins no placeholder"),
                 "known are {here}, {job}, {law} and {python}",
             )?;
         }
         require(
             self.timeout_s > 0.0 && self.timeout_s <= LONGEST_S,
-            format!("timeout_s = {} is no time to wait", self.timeout_s),
+            format!("timeout_s = {} is no valid time limit", self.timeout_s),
             "write seconds, at most a day (86400)",
         )?;
         for law in &self.honours.laws {

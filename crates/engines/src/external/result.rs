@@ -276,7 +276,7 @@ fn checked(
     let mut notes = Vec::new();
     if others > 0 {
         notes.push(format!(
-            "{others} columns that nobody asked for were left out."
+            "{others} columns that were not requested were left out."
         ));
     }
     // Divergence: the first row that is not finite, or with the output off its mesh; earlier rows are kept.

@@ -30,7 +30,7 @@ pub(super) const BED: &[ModelTolerance] = statements! {
     Without, STEADY, "output_torque_n_m", RelativeL2, Same, 1e-2,
     "Ripple about the same mean.";
     Without, STEADY, "external_sleeve_force_n", RelativeL2, Same, 4.5e-2,
-    "Beds conserve energy, the paper's law does not: the load is shared otherwise.";
+    "Beds conserve energy, the paper's law does not: the pins share the load differently.";
     Without, STEADY, "internal_sleeve_force_n", RelativeL2, Same, 1.5e-2,
     "The law itself but for the ramp S, under external forces that differ.";
 };
@@ -38,7 +38,7 @@ pub(super) const BED: &[ModelTolerance] = statements! {
 /// Pinwheel's normal forces in rapier's solver.
 pub(super) const HOOK: &[ModelTolerance] = statements! {
     Without, None, "*_sleeve_force_n|*_torque_n_m|output_angle_rad", RelativeL2, Same, 0.0,
-    "Our normal forces in rapier's solver: without friction no difference of the model is left.";
+    "Pinwheel's normal forces in rapier's solver: without friction no difference of the model is left.";
     With, STEADY, "*_sleeve_force_n|*_torque_n_m|output_angle_rad", RelativeL2, Same, 2e-3,
     "Coulomb friction against its regularised form.";
 };
@@ -50,7 +50,7 @@ pub(super) const COLLIDERS: &[ModelTolerance] = statements! {
     Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 1.5e-2,
     "Linear spring of a stiffness that depends on pairs of masses, polyline discs.";
     Any, STEADY, "output_torque_n_m", Mean, Same, 1.5e-2,
-    "In the mean both carry the load; their own samples alias the ripple.";
+    "On average both carry the load; their own samples alias the ripple.";
     Any, STEADY, "*_force_n", Mean, Same, 1e-1,
-    "Under a linear spring the load spreads over the pins otherwise.";
+    "Under a linear spring the pins share the load differently.";
 };

@@ -91,7 +91,7 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
         let [external, internal] = spring.stiffness_n_m;
         let masses = match spring.masses_kg {
             Some(_) => "sleeves' masses that make both stages right",
-            None => "the scene's masses, right in the mean of both stages",
+            None => "the scene's masses, exact for the mean of both stages",
         };
         let settings = format!(
             "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a disc, {} a hole; contact \

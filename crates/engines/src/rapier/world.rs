@@ -191,8 +191,8 @@ impl World {
             let body = quarantine.bodies().first();
             let body = body.and_then(|body| self.handles.iter().position(|handle| handle == body));
             return Err(match body {
-                Some(body) => format!("body {body} is no longer finite; rapier put it aside"),
-                None => "a collider is no longer finite; rapier put it aside".to_owned(),
+                Some(body) => format!("body {body} is no longer finite; rapier removed it"),
+                None => "a collider is no longer finite; rapier removed it".to_owned(),
             });
         }
         for ((handle, state), earlier) in self

@@ -116,7 +116,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
         let arguments = arguments.chain([OsStr::new("-ldl")]);
         call(&compiler, arguments, None, cancel).map_err(|reason| {
             Ending::absent(format!(
-                "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
+                "its program cannot be compiled ({reason}); install all of Simbody ({REMEDY})"
             ))
         })?;
         let seal = draft.join(SEAL);

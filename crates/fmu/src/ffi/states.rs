@@ -16,7 +16,7 @@ impl Kept {
 fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
     let found = STATES.find(state);
     let own = found.filter(|kept| kept.of == component.addr());
-    own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
+    own.ok_or_else(|| Refusal("the state is not one of this unit: null, freed or invalid".into()))
 }
 
 /// Stores bytes in an existing state, or in a new one.
@@ -40,7 +40,7 @@ fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), R
 pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State) -> c_int {
     on(component, |unit| {
         // SAFETY: null or an address.
-        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the place of the state"))?;
+        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the address of the state"))?;
         done(keep(component, unit.save()?, state))
     })
 }
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     on(component, |_| {
         let kept = kept(component, state)?;
         // SAFETY: null or an address.
-        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
+        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the address of the size"))?;
         *size = kept.bytes().len();
         Ok(OK)
     })
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
         let kept = kept(component, state)?;
         let state = kept.bytes();
         // SAFETY: the caller promises its length.
-        let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
+        let place = unsafe { array_mut("the address of the bytes", bytes, size)? };
         let room = place
             .get_mut(..state.len())
             .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     on(component, |unit| {
         // SAFETY: the caller promises its length, and null or an address.
         let (bytes, state) = unsafe { (array("the bytes", bytes, size)?, state.as_mut()) };
-        let state = state.ok_or_else(|| null("the place of the state"))?;
+        let state = state.ok_or_else(|| null("the address of the state"))?;
         unit.check(bytes)?;
         done(keep(component, bytes.to_vec(), state))
     })

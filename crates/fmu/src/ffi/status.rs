@@ -43,7 +43,7 @@ unsafe fn tell<T>(
             return Ok(DISCARD);
         }
         // SAFETY: null or an address.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the address of the value"))?;
         *value = of(unit);
         Ok(super::OK)
     })

@@ -125,7 +125,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         for engine in named {
             if engine.track() == SharedModel::Native && !native.contains(&engine.name()) {
                 return Err(StudyError::Input(format!(
-                    "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
+                    "{} chooses its own integrator and step, which this study varies; name native, native-reduced \
                      or native-lagrange",
                     engine.name()
                 )));

@@ -66,7 +66,7 @@ impl Stopped {
             Self::GoodEnough => "ten times better than the target",
             Self::AtTheReference => "at the reference's own error",
             Self::TooLong => "the next run would take too long",
-            Self::Stagnates => "finer steps do not help: what is left is its model",
+            Self::Stagnates => "finer steps do not help: the rest is an error of its model",
             Self::Failed => "does not run",
             Self::Interrupted => "stopped by the user",
         }

@@ -109,7 +109,7 @@ pub struct Refiner<'a> {
 /// Initial tolerance of RODAS5P in a comparison; ten times this is the loosest usable one.
 const ROSENBROCK: f64 = 1e-6;
 
-const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
+const EXPLICIT: &str = "its friction is its own or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Refiner<'a> {
     /// Begins at the scene's own setting; `None` if no setting of the scene controls the engine.
@@ -433,7 +433,7 @@ pub fn refine(
         let evidence = match ladder.coarser.is_empty() {
             true => Evidence::unknown(
                 name,
-                "its step is as long as its samples are apart, so no coarser run shows its error",
+                "its step equals its sample interval, so no coarser run shows its error",
                 "take a step of a quarter of solver.sample_s or less",
             ),
             false => Evidence::refinement(name, ladder.clone()),
@@ -479,7 +479,7 @@ fn unrefined(engine: &dyn Engine, ran: &Participant) -> Evidence {
     let (name, info) = (engine.name(), engine.info());
     let unknown = |group: &'static str, reason: &str| {
         Evidence::unknown(name, reason, "compare it by its means")
-            .finally(group, "its numerical uncertainty cannot be had by refining")
+            .finally(group, "refinement does not give its numerical uncertainty")
     };
     let is_fixed = info.form.is_none() && info.refinement.is_none();
     if ran.cost.recorded.is_some() {
@@ -501,8 +501,8 @@ fn unrefined(engine: &dyn Engine, ran: &Participant) -> Evidence {
     } else if !ran.status.is_finished() {
         Evidence::unknown(name, "its run did not finish", "see its reason")
     } else {
-        let notes = "see its notes for what it verified itself";
-        Evidence::unknown(name, "coarser runs of its method do not get through", notes).finally(
+        let notes = "see its notes for its own verification";
+        Evidence::unknown(name, "coarser runs of its method do not finish", notes).finally(
             "runs that verified themselves",
             "it verified itself, see its notes",
         )

@@ -25,7 +25,7 @@ pub enum SweepError {
     #[error("{0}")]
     Input(String),
     /// File that cannot be read or written.
-    #[error("{}: {}; check that there is room and that you may write there", path.display(), crate::output::reason(source))]
+    #[error("{}: {}; check the free space and the permission to write", path.display(), crate::output::reason(source))]
     Io {
         /// The file.
         path: PathBuf,

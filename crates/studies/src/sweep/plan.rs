@@ -17,8 +17,8 @@ use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
 
 /// Remedy for a sample that draws invalid gears.
-const WIDER: &str = "the sample reaches beyond what can be built: narrow its intervals, or give the scene the clearances of a gear as built \
-                     (`pinwheel init` suggests them)";
+const WIDER: &str = "the sample includes gears that cannot be built: narrow its intervals, or give the scene the clearances of a \
+                     gear as built (`pinwheel init` suggests them)";
 
 /// Largest number of runs of a sweep.
 pub const MOST_RUNS: usize = 100_000;

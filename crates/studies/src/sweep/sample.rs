@@ -103,7 +103,7 @@ impl Sample {
             text: "",
             node: Node::Table(settings.cloned().collect()),
         };
-        let form = "say how many runs it takes, such as points = 1000; seed and method may follow";
+        let form = "state the number of runs, such as points = 1000; seed and method may follow";
         let sample: Self = document.read("sample", &settings, form)?;
         let columns: usize = keys.iter().map(|(_, of)| of.each.unwrap_or(1)).sum();
         let points = sample.points;
@@ -111,7 +111,7 @@ impl Sample {
             let what = format!("`points` is no whole number from 2 to {MOST_POINTS}");
             (what, "write points = 1000".to_owned())
         } else if keys.is_empty() {
-            let remedy = format!("name what is uncertain, such as gear.backlash_m; {FORMS}");
+            let remedy = format!("name an uncertain key, such as gear.backlash_m; {FORMS}");
             ("the sample has no key of the scene".to_owned(), remedy)
         } else if sample.method == Method::Sobol && columns > MOST_SOBOL {
             let what = format!(

@@ -76,7 +76,7 @@ impl Shift {
         if let Some(rival) = self.rival {
             let rival = tidy(rival);
             fit += &format!(
-                "; two maxima are equal: it fits as well shifted by {rival} s, for its signals repeat"
+                "; two maxima are equal: it fits as well shifted by {rival} s, because its signals repeat"
             );
         }
         if self.overlap < SMALL_OVERLAP {
@@ -166,7 +166,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     };
     if height < UNLIKE {
         return Err(format!(
-            "it is nowhere like the run (correlation {height:.2} at most)"
+            "it resembles the run nowhere (correlation {height:.2} at most)"
         ));
     }
     let seconds = |k: f64| from.0 + (first as f64 + k) * step - to.0;

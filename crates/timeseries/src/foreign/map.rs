@@ -230,7 +230,7 @@ impl Default for FullSource {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     untagged,
-    expecting = "unwrap is neither true nor the number after which the column begins anew"
+    expecting = "unwrap is neither true nor the number after which the column starts again"
 )]
 pub enum Unwrap {
     /// After a turn in the column's unit if true; never if false.
@@ -468,7 +468,7 @@ impl Map {
         let sound = |limit: &StatedLimit| limit.limit > 0.0 && limit.limit.is_finite();
         require(
             self.limits.iter().all(sound),
-            "`limits` holds a limit that is not above 0",
+            "`limits` has a limit that is not above 0",
             "write limit = 0.05 for 5 %",
         )
     }
@@ -539,7 +539,7 @@ impl Source {
         require(
             stars(name) <= 1,
             "has more than one `*`",
-            "one stands for the pin's or disc's number",
+            "it stands for the pin's or disc's number",
         )?;
         require(
             full.columns().iter().all(|(column, _)| alike(column)),
