@@ -5,7 +5,7 @@
 //!
 //! Two certificates make the local search exact, both from the reach rho of the curve:
 //! * *outside*: a ball of radius rho that touches C from outside contains no point of C. If P
-//! //!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, for any a. In the concentric ball
+//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, for any a. In the concentric ball
 //!   that is smaller by L, that is if `|r|^2 < 2 rho (s - L) + L^2`, P is farther from C than L.
 //! * *foot*: a stationary point with |s| < rho is the closest point of the entire curve.
 //!
@@ -20,7 +20,7 @@ const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
 /// Newton steps before the global search takes over; the usual number is 1 to 3.
 const MAX_STEPS: usize = 12;
 
-/// /// Newton steps towards the point of the curve on a ray.
+/// Newton steps towards the point of the curve on a ray.
 const RAY_STEPS: usize = 3;
 /// Distance that a point must lie beyond the curve to be outside for certain, relative to R.
 const RAY_MARGIN: f64 = 1e-12;

@@ -229,7 +229,7 @@ impl Epitrochoid {
         }
     }
 
-    /// Returns the point of the curve with its offset, from the point without.
+    /// Returns the point of the modified curve, from the point `at` of the unmodified curve.
     #[inline(never)]
     fn moved_point(
         &self,

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!  stdout, stderr ──threads──> pieces ──> listener
-//! //!  request to stop ──> SIGTERM to the group, 0.3 s later SIGKILL
-//! //!  end ──> SIGKILL to the rest of the group and to processes that left it, CPU time, status
+//!  request to stop ──> SIGTERM to the group, 0.3 s later SIGKILL
+//!  end ──> SIGKILL to the rest of the group and to processes that left it, CPU time, status
 //! ```
 //! Processes that leave the group (`setsid`) are recognised by an environment variable, on Linux. A process that clears it
 //! escapes; only a container could prevent that.

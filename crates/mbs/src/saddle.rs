@@ -9,7 +9,7 @@
 //! of least degree first, which is determined once. A constraint's pivot is zero until one of its bodies is eliminated, so the
 //! constraint has to wait:
 //! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
-//! //!   are independent in any pose, because each has a body to itself;
+//!   are independent in any pose, because each has a body to itself;
 //! * a joint that closes a loop for all bodies of the loop; its pivot is regular if D has full rank.
 //!
 //! D can lose rank in single poses of a mechanism with loops (all rods of a parallelogram on one line). The pivot of a closing

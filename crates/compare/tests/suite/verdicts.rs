@@ -443,7 +443,7 @@ fn regress_kinks_between_samples_are_no_imbalance() {
     }
 }
 
-/// /// Torques of the wrong sign do not balance the load at any size.
+/// Torques of the wrong sign do not balance the load at any size.
 #[test]
 fn regress_the_load_balance_has_a_sign() {
     let base = time_series(1.0);

@@ -33,7 +33,7 @@ pub(super) fn set_sum(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Ve
     BY_LENGTH[row.len() - 1](out, y, h, row, stages);
 }
 
-/// Computes `out = h sum`. Not inlined, because only for an argument the compiler knows that `out` does not overlap the stages.
+/// Computes `out = h sum`. Not inlined: only for arguments the compiler assumes that `out` does not overlap the stages.
 #[inline(never)]
 pub(super) fn set_scaled<const N: usize>(out: &mut [f64], h: f64, row: Row, stages: &[Vec<f64>]) {
     each_sum::<N>(row, stages, out.len(), |c, sum| out[c] = h * sum);

@@ -155,7 +155,7 @@ impl Lane<'_> {
             .map_or(0.0, |begun| begun.elapsed().as_secs_f64())
     }
 
-    /// /// Returns the remaining time, s, if known; `pace`: present duration of one second of the estimate.
+    /// Returns the remaining time, s, if known; `pace`: present duration of one second of the estimate.
     fn left_s(&self, pace: f64) -> Option<f64> {
         match self.left {
             _ if self.took.is_some() => Some(0.0),

@@ -103,7 +103,7 @@ definitions! { 5;
     SHARE_SEALS = "seal_friction_share", "seals", "", "lost by friction";
 }
 
-/// /// Shares of energy lost by friction, by component.
+/// Shares of energy lost by friction, by component.
 pub static FRICTION: [&FigureDef; 4] = [
     &SHARE_CONTACTS,
     &SHARE_BEARINGS,

@@ -171,7 +171,7 @@ fn a_study_that_makes_no_sense_says_so() {
     }
 }
 
-/// /// A figure confirms an order by the sign of its own differences, independent of the samples.
+/// A figure confirms an order by the sign of its own differences, independent of the samples.
 #[test]
 fn a_figure_confirms_by_its_own_sign() {
     let basis_of_the_mean = |first: f64, sign: f64| {

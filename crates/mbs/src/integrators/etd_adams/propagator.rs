@@ -179,7 +179,7 @@ pub struct Propagator {
     terms: usize,
     /// Factors of x, then those of the differences of the remainder, from the 0th on.
     pub matrix: Columns,
-    /// /// Scratch: upper rows of phi_k+1 and of phi_k, with the rates padded to a multiple of [`ROWS`] columns.
+    /// Scratch: upper rows of phi_k+1 and of phi_k, with the rates padded to a multiple of [`ROWS`] columns.
     above: Columns,
     here: Columns,
     /// Scaled matrix tau L: scratch.

@@ -655,7 +655,7 @@ fn two_drivers_do_the_same_in_both_forms() {
             assert!((a - b).abs() < 1e-7 && a.abs() > 0.1, "{a} {b}");
         }
     }
-    // // Another state at the same time is evaluated again.
+    // Another state at the same time is evaluated again.
     let y = reduced.initial();
     let mut moved = y.clone();
     moved[0] += 0.1;
