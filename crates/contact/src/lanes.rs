@@ -16,7 +16,7 @@ use crate::{Complex, Real};
 /// use pinwheel_contact::{Lanes, Real};
 /// use pulp::Simd;
 ///
-/// /// Root of every value, several at a time, with what the processor has.
+/// /// Root of every value, several at a time, by the vector instructions of the processor.
 /// struct Roots<'a>(&'a mut [f64]);
 ///
 /// impl pulp::WithSimd for Roots<'_> {
