@@ -1,9 +1,9 @@
-//! The presets: the files of `reference/scenes`, embedded so that they travel with the program.
+//! Presets: the files of `reference/scenes`, embedded in the program.
 
-/// One embedded scene.
+/// Embedded scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Preset {
-    /// Bare name, `paper` for `reference/scenes/paper.toml`.
+    /// Name, `paper` for `reference/scenes/paper.toml`.
     pub name: &'static str,
     /// The file's text.
     pub text: &'static str,
@@ -42,7 +42,7 @@ pub const PRESETS: &[Preset] = presets![
     "rv-320",
     "rv-40e-like",
     "rv-160n-like",
-    // Hard on integrators: each one's description says why.
+    // Hard cases for integrators; the description of each gives the reason.
     "hard-adhesive",
     "hard-all-open",
     "hard-backlash-0.1",
@@ -82,7 +82,7 @@ pub const PRESETS: &[Preset] = presets![
     "hard-zero-load-friction",
 ];
 
-/// Text of the preset called `name`.
+/// Returns the text of a preset.
 #[must_use]
 pub fn preset(name: &str) -> Option<&'static str> {
     let mut all = PRESETS.iter();

@@ -1,10 +1,10 @@
-//! The JSON schema of scene files, from the table of keys: editors complete and check scenes by it.
+//! JSON schema of scene files from the table of keys, for completion and checks in editors.
 
 use serde_json::{Map, Value, json};
 
 use crate::keys::{DefaultValue, KEYS, Key, Kind, Range};
 
-/// JSON schema (draft 2020-12) of a scene file.
+/// Returns the JSON schema (draft 2020-12) of a scene file.
 ///
 /// ```
 /// let schema = pinwheel_scene::schema::schema();
