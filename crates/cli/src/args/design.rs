@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// `pinwheel init`.
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/init.txt").trim_ascii_end())]
-// clap does not wrap its own.
+// clap does not wrap its own usage line.
 #[command(override_usage = "pinwheel init <FILE> --ratio <RATIO>\n       \
     --pin-circle-diameter-mm <MM> --torque-n-m <NM>\n       --speed-rpm <RPM> [OPTIONS]")]
 pub(crate) struct InitArgs {
@@ -29,7 +29,7 @@ pub(crate) struct InitArgs {
     /// Cranks, with `--kind rv` [default: 2, or 3 from a pin circle of 200 mm on].
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=12))]
     cranks: Option<u16>,
-    /// Diameter of the circle on which the pins stand.
+    /// Diameter of the ring pins' circle.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     pin_circle_diameter_mm: f64,
     /// Rated torque of the output.
@@ -44,7 +44,7 @@ pub(crate) struct InitArgs {
     /// Eccentricity.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     eccentricity_mm: Option<f64>,
-    /// Cycloidal discs.
+    /// Number of cycloidal discs.
     #[arg(long, visible_alias = "discs", value_parser = clap::value_parser!(u16).range(1..=64))]
     wheels: Option<u16>,
     /// Number of output pins.
@@ -53,7 +53,7 @@ pub(crate) struct InitArgs {
     /// Diameter of an output pin with its pin; holes are larger by twice the eccentricity.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     output_pin_diameter_mm: Option<f64>,
-    /// Diameter of the circle on which the output pins stand.
+    /// Diameter of the output pins' circle.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     output_circle_diameter_mm: Option<f64>,
     /// Thickness of a disc.
@@ -77,12 +77,12 @@ pub(crate) struct InitArgs {
     /// Leave out clearances, bearings, friction and bending.
     #[arg(long)]
     ideal: bool,
-    /// Replace the file if it is there.
+    /// Replace an existing file.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
-/// A number, in this unit where it is typed with one.
+/// Reads a number, converted to this unit if typed with another one.
 fn number(typed: &str, unit: &str, words: &str) -> Result<f64, String> {
     let number = quantity::read(typed, unit).filter(|number| number.is_finite());
     match number {
@@ -104,7 +104,7 @@ fn turns_a_minute(typed: &str) -> Result<f64, String> {
     number(typed, "rpm", "turns a minute")
 }
 
-/// `39`, `39:1` or `118.5`.
+/// Reads a ratio: `39`, `39:1` or `118.5`.
 fn ratio(typed: &str) -> Result<f64, String> {
     let number = typed.trim().strip_suffix(":1").unwrap_or(typed).trim();
     let ratio = number.parse().ok();
@@ -112,7 +112,7 @@ fn ratio(typed: &str) -> Result<f64, String> {
     ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1; make each of two stages in one housing a scene".to_owned())
 }
 
-/// Parser of a material by its name; the help lists the names.
+/// Returns a parser of a material by its name; the help lists the names.
 fn materials() -> impl TypedValueParser<Value = Material> {
     let names = MATERIALS.iter().map(|material| material.name);
     PossibleValuesParser::new(names).try_map(|name| {
@@ -165,10 +165,10 @@ impl InitArgs {
 pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Fit all that the scene leaves rigid to a stiffness that a catalogue or a measurement states.
+    /// Fit the compliance of all rigid parts to a stiffness from a catalogue or a measurement.
     #[arg(long, value_name = "NM", allow_negative_numbers = true)]
     pub(crate) stated_stiffness_n_m_arcmin: Option<f64>,
-    /// Leave out what takes runs: hysteresis and efficiency.
+    /// Omit figures that need runs: hysteresis and efficiency.
     #[arg(long)]
     pub(crate) statics: bool,
     #[command(flatten)]
