@@ -6,10 +6,10 @@ use pinwheel_scene::Scene;
 use crate::choice::ChoiceError;
 use crate::output::OutputError;
 
-/// Reason why a study gave no result.
+/// Reason for a study without result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The observer asked to stop.
+    /// Stop by the observer.
     #[error("stopped")]
     Cancelled,
     /// Input that cannot be used, with the remedy.
@@ -18,7 +18,7 @@ pub enum StudyError {
     /// An engine that cannot be chosen.
     #[error(transparent)]
     Choice(#[from] ChoiceError),
-    /// A run that a study cannot go on without did not finish.
+    /// Unfinished run that the study needs.
     #[error("{engine} {ending}")]
     Ended {
         /// Name of the engine.
@@ -26,13 +26,13 @@ pub enum StudyError {
         /// Ending of the run.
         ending: Ending,
     },
-    /// A run without which there would be no result.
+    /// Failed run that the study needs.
     #[error("{0}; nothing was written")]
     Broken(String),
-    /// The run that checks another could not be made.
+    /// Failure of a run that checks another.
     #[error("the run cannot be repeated at twice its step: {0}")]
     Unrepeated(Box<StudyError>),
-    /// Time series that do not go together.
+    /// Incompatible time series.
     #[error("the time series cannot be compared: {0}")]
     Compare(#[from] pinwheel_compare::CompareError),
     /// A file of the results that cannot be written.

@@ -15,8 +15,9 @@ const HALVINGS: usize = 12;
 /// of angles.
 const SERVES: f64 = 8.0;
 const SERVES_ANGLES: f64 = 5.0;
-/// Largest ratio of residuals after and before a step at which a tracked balance takes the next one unseen, if it would reach
-/// the goal at this rate, and the largest length of that step, relative to the contacts' depths and twists.
+/// Largest ratio of residuals after and before a step at which a tracked balance takes the next one without evaluating its
+/// residual, if it would reach the goal at this rate, and the largest length of that step, relative to the contacts' depths
+/// and twists.
 const SURE: f64 = 0.1;
 const UNSEEN: f64 = 1e-5;
 /// Length of steps of discs on eccentrics and output, relative to the twists of contacts, at which no contact restores them:

@@ -1,4 +1,4 @@
-//! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
+//! Hysteresis loop: input locked, load slowly to the rated torque, to its opposite, and back.
 
 use std::f64::consts::TAU;
 
@@ -13,42 +13,42 @@ use crate::balances::spread::ARCMIN;
 use crate::control::compile;
 use crate::{Control, StudyError, single};
 
-/// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
+/// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
 const SLOW: f64 = 300.0;
-/// Samples from no load to the rated one.
+/// Number of samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
 const REST: f64 = 0.25;
 
-/// The loop of a slow run.
+/// Loop of a slow run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
+    /// Width of the loop at no load, arcmin; without friction only vibration and damping.
     pub width_arcmin: Option<f64>,
-    /// How far it may be off: by the run's own verification of the forces, by how far samples are apart, and by half of what
-    /// the branches are apart there.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, and half of the branches'
+    /// distance there.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// How far the width may be off, by the first two.
+    /// Uncertainty of the width, arcmin: the first two of these.
     pub width_uncertainty_arcmin: Option<f64>,
-    /// How the run ended.
+    /// Ending of the run.
     pub status: &'static str,
     /// Sample times, s.
     #[serde(skip)]
     pub time_s: Vec<f64>,
-    /// Load, N m, positive in the direction that turns the output on.
+    /// Load, N m, positive in the direction of the output's motion.
     #[serde(skip)]
     pub torque_n_m: Vec<f64>,
     /// Output angle, arcmin.
     #[serde(skip)]
     pub angle_arcmin: Vec<f64>,
-    /// First sample of the closed loop: before that the load rises for the first time.
+    /// First sample of the closed loop; before it the load rises for the first time.
     #[serde(skip)]
     pub closed_from: usize,
 }
 
-/// Runs the loop of a gear with that rated torque.
+/// Runs the loop of a gear with a rated torque.
 pub(super) fn run(
     gearbox: &Gearbox,
     rated: f64,
@@ -86,11 +86,11 @@ pub(super) fn run(
     let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
     let from = |t: f64| time_s.partition_point(|&at| at < t);
-    // The branch down, and the branch up again.
+    // Branches of decreasing and of increasing load.
     let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
     let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
     let whole = found.run.ending.is_finished();
-    // Of both branches, with every so many samples: the angles at a torque.
+    // Angles of both branches at a torque, with every `every`-th sample.
     let both = |torque: f64, every: usize| {
         let at = |branch: &std::ops::Range<usize>| {
             let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());
@@ -108,7 +108,7 @@ pub(super) fn run(
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
     let width = |every: usize| apart(0.0, every);
-    // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
+    // With slowly yielding friction the angle at rest may be anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
@@ -128,7 +128,7 @@ pub(super) fn run(
     })
 }
 
-/// The angle where a monotone course of the torque passes `torque`.
+/// Returns the angle at which a monotone torque passes `torque`.
 fn crossing(torques: &[f64], angles: &[f64], torque: f64) -> Option<f64> {
     let k = torques
         .windows(2)
