@@ -1,4 +1,4 @@
-//! The engines of a build, as a table.
+//! Table of the engines of a build.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,7 +8,7 @@ use pinwheel_engines::{family, lacking, remedy};
 use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::Table;
 
-/// The engines by track, and what tracks mean.
+/// Returns the engines by track, with the meaning of tracks.
 #[must_use]
 pub fn text(listed: &[Listed]) -> String {
     let mut listed: Vec<&Listed> = listed.iter().collect();

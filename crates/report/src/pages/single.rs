@@ -1,4 +1,4 @@
-//! One run on a terminal.
+//! Text of one run for a terminal.
 
 use crate::figure::{cell, sentence};
 use crate::format::{self, NONE, joined};
@@ -11,7 +11,7 @@ use pinwheel_timeseries::figure::definitions::{FRICTION, SHARE_DELIVERED};
 
 use crate::pages::{band, doubts};
 
-/// Results of a run, in words.
+/// Returns the results of a run as text.
 fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let of = |kind: &str, quantity: &str| {
@@ -65,11 +65,11 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Results, settings and cost of a run that finished; `time_series`: where its samples are, if in a file.
+/// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
 #[must_use]
 pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     let stats = &found.run.stats;
-    // What one runs it for comes first.
+    // The main results come first.
     let bands = found.bands.as_ref();
     let mut rows = results(&found.results(), found.resolution.is_some());
     rows.extend(bands.into_iter().flat_map(band::rows));

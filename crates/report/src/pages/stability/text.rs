@@ -1,11 +1,11 @@
-//! The study on a terminal: what each method gets right. The page has the map of scenes.
+//! Text of the study for a terminal: successes of each method. The page has the map of scenes.
 
 use crate::format::{self, joined};
 use crate::terminal::{self, paragraphs, titled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// Number of scenes in which each method gives the right picture, and its smallest step; without the place of the page.
+/// Returns the number of scenes that each method computes correctly, and its smallest step; without the path of the page.
 #[must_use]
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
