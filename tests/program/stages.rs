@@ -5,7 +5,7 @@ use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver whose curvature has the other sign in pits, and one that is right; contacts of an engine's own are never accused.
+/// A solver with a sign error of the curvature in pits, and a correct one; contacts of an engine's own are never blamed.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };

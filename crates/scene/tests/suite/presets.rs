@@ -1,4 +1,4 @@
-//! The presets are valid, described, complete and what the paper says.
+//! Presets are valid, described, complete and equal to the paper's data.
 
 use pinwheel_scene::{Detection, PRESETS, Scene, derived};
 
@@ -39,7 +39,7 @@ fn the_paper_is_its_preset() {
     assert_eq!(load("paper"), Scene::paper());
 }
 
-/// paper.toml is what people copy: every key that can be written stands in it.
+/// paper.toml, often copied, has every key.
 #[test]
 fn paper_shows_every_key() {
     let paper: toml::Table = pinwheel_scene::preset("paper").unwrap().parse().unwrap();
