@@ -116,8 +116,8 @@ impl Animation {
     ///
     /// Data for the script: `gear`; `speed` of the input; `from`, `step` and `count` of the samples; `full`: force of a
     /// full arrow, N, above 99 % of the samples of loaded pins in the second half; `least`: the smallest drawn force;
-    /// `offset`: magnification of the discs' offsets from their eccentrics, 0 without offsets; `samples`: number `channels`
-    /// of columns in sequence.
+    /// `offset`: magnification of the discs' offsets from their eccentrics, 0 without offsets; `samples`: all
+    /// `channels` columns in sequence.
     pub(crate) fn of(
         title: impl Into<String>,
         scene: &Scene,
