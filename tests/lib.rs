@@ -1,4 +1,4 @@
-//! Helpers of the whole-program tests: paths, the program, and its runs.
+//! Helpers of the tests of the program: paths, the program, and its runs.
 
 pub mod runs;
 pub mod served;

@@ -9,7 +9,7 @@ use pinwheel_gearbox::Gearbox;
 
 use super::*;
 
-/// Presets with changes: on one eccentric and on cranks, also gears that nobody builds.
+/// Presets with changes: on one eccentric and on cranks, also unrealistic gears.
 const GEARS: &[(&str, &[(&str, &str)])] = &[
     ("paper-bearings", &[]),
     // A clearance, an exponent between a line's and a ball's, and pins that bend.

@@ -1,6 +1,6 @@
 //! exudyn, MuJoCo, Simbody and IDA against the native solver, live and recorded.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 

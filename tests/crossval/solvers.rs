@@ -1,6 +1,6 @@
 //! Simbody and SUNDIALS IDA against the native solver, through the protocol for solvers.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 use std::fs;
 

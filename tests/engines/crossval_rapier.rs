@@ -1,6 +1,6 @@
 //! The three rapier engines against the native solver, and against closed forms.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 

@@ -427,7 +427,7 @@ fn explore_answers_its_own_page_alone() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     assert_eq!(ask("GET /status", &cookie, "").0, "200");
     drop(stalled);
-    // Idle clients of any number exclude nobody, nor do refused ones that send single bytes.
+    // Idle clients of any number exclude no other, nor do refused ones that send single bytes.
     let idle: Vec<_> = (0..80)
         .map(|_| std::net::TcpStream::connect(&host).unwrap())
         .collect();

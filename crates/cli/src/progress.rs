@@ -80,7 +80,7 @@ impl Bar {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.set_prefix(screen::manner().command);
-            // Single pieces take many seconds, so the clock keeps running.
+            // Single pieces take many seconds, so a running clock shows activity.
             bar.enable_steady_tick(Duration::from_millis(500));
             bar
         });

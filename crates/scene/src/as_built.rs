@@ -7,7 +7,7 @@
 //!
 //! | process | hole and pin | source of the grade |
 //! |---|---|---|
-//! | `ground`, `edm`, `milled` | H6/g5, H7/g6, H8/g7 | grades that processes hold: IT6 ground, IT7 finely eroded, IT8 milled |
+//! | `ground`, `edm`, `milled` | H6/g5, H7/g6, H8/g7 | grades of the processes: IT6 ground, IT7 finely eroded, IT8 milled |
 //! | `printed` | H12/g11 | +-0.1 to 0.2 mm of fused filament is IT12 of 10 to 30 mm |
 //!
 //! A disc's edge follows its ring pins as a hole follows a pin: an equidistant cut by that fit. Bearings have the radial clearance of

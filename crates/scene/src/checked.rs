@@ -76,7 +76,7 @@ impl Scene {
     /// Checks every value, each alone and then together.
     ///
     /// # Errors
-    /// The first fault: its keys, what is wrong and the remedy.
+    /// First fault: its keys, description and remedy.
     pub fn check(self) -> Result<CheckedScene, Fault> {
         check::check(&self)?;
         Ok(CheckedScene::unchecked(self))

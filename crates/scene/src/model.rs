@@ -171,7 +171,7 @@ pub struct Drive {
     pub speed_changes: Vec<SpeedChange>,
 }
 
-/// One change of the input's speed during a run.
+/// Change of the input's speed during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedChange {
@@ -183,7 +183,7 @@ pub struct SpeedChange {
     pub ramp_s: f64,
 }
 
-/// One change of the load during a run.
+/// Change of the load during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadChange {
@@ -323,9 +323,9 @@ pub struct Bearings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Held {
-    /// In one flange, rigidly.
+    /// Held in one flange, rigidly.
     OneEnd,
-    /// In a flange on either side of the discs, free to turn there.
+    /// Held in a flange on either side of the discs, free to turn there.
     BothEnds,
 }
 

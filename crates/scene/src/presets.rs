@@ -5,7 +5,7 @@
 pub struct Preset {
     /// Name, `paper` for `reference/scenes/paper.toml`.
     pub name: &'static str,
-    /// The file's text.
+    /// Text of the file.
     pub text: &'static str,
 }
 

@@ -1,6 +1,6 @@
 //! Characteristic sizes of a gear under its largest static load: forces, penetrations, frequencies.
 //!
-//! They set error scales, steps, samples and windows, so that gears of millimetres and of metres are treated alike. Linear
+//! The sizes set error scales, steps, samples and windows, so that gears of millimetres and of metres are treated alike. Linear
 //! springs without clearance: the most loaded pin of a stage carries about F = 4 T/(l z) (T: load on one disc, l: lever, e
 //! zs or R_w, z: pins). The scene's law gives its penetration and tangent stiffness k under that force. A quarter of all
 //! pins, weighted by their levers, make the torsional stiffness k l^2 z/4. All discs in phase and the output are then two

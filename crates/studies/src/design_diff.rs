@@ -74,7 +74,7 @@ pub struct DesignDiff {
     pub stages: Option<Located>,
     /// Quantities that follow exactly from the dimensions and the load.
     pub derived: Vec<Diff>,
-    /// The figures of `design`.
+    /// Figures of `design`.
     pub figures: Vec<Diff>,
     /// Means and peaks of the time series, by window.
     #[serde(skip)]

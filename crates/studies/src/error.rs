@@ -15,7 +15,7 @@ pub enum StudyError {
     /// Input that cannot be used, with the remedy.
     #[error("{0}")]
     Input(String),
-    /// An engine that cannot be chosen.
+    /// Engine that cannot be chosen.
     #[error(transparent)]
     Choice(#[from] ChoiceError),
     /// Unfinished run that the study needs.
@@ -35,13 +35,13 @@ pub enum StudyError {
     /// Incompatible time series.
     #[error("the time series cannot be compared: {0}")]
     Compare(#[from] pinwheel_compare::CompareError),
-    /// A file of the results that cannot be written.
+    /// File of the results that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A scene that cannot be loaded.
+    /// Scene that cannot be loaded.
     #[error(transparent)]
     Load(#[from] pinwheel_scene::SceneError),
-    /// A scene that cannot be modelled.
+    /// Scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {
         /// Name of the scene.
@@ -49,7 +49,7 @@ pub enum StudyError {
         /// Fault of the model.
         source: pinwheel_gearbox::GearboxError,
     },
-    /// The reference run failed.
+    /// Failed reference run.
     #[error("{scene}: the reference run {reason}; use a scene that can be resolved")]
     Reference {
         /// Name of the scene.

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Explanation of a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Explanation<'a> {
-    /// The scene.
+    /// Explained scene.
     pub scene: &'a Scene,
     /// Modelled and omitted parts.
     #[serde(flatten)]

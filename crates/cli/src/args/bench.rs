@@ -17,7 +17,7 @@ pub(crate) struct BenchArgs {
     /// Integrators of the native solver, separated by commas [default: all].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
-    /// Relative L2 force error over the whole run at which the engines are ranked.
+    /// Relative L2 force error over the complete run at which the engines are ranked.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-4)]
     pub(crate) target: f64,
     /// CPU seconds permitted to a run of a peer; the native solver gets a tenth.

@@ -115,7 +115,7 @@ impl Entry {
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));
                 }
-                // Other servers' cookies may hold any bytes.
+                // Cookies of other servers may have any bytes.
                 let mut cookies = question.headers("Cookie");
                 let known = cookies.any(|all| {
                     let mut each = all.split(|byte| *byte == b';');

@@ -27,7 +27,7 @@ pub struct Chart {
     pub y: Axis,
     /// Curves; the order gives colour and dash.
     pub series: Vec<Series>,
-    /// A sentence below the chart; may be empty.
+    /// Sentence below the chart; may be empty.
     pub note: String,
 }
 
@@ -110,14 +110,14 @@ impl Series {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {
-    /// A line.
+    /// Line.
     #[default]
     Line,
     /// Points.
     Points,
     /// Points joined by a line.
     Both,
-    /// A thin dashed line: a limit, a slope, a prediction.
+    /// Thin dashed line: a limit, a slope, a prediction.
     Dashed,
 }
 

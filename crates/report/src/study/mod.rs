@@ -36,9 +36,9 @@ pub struct Study {
     pub title: String,
     /// Small line above the heading: the kind of study.
     pub eyebrow: String,
-    /// One or two sentences below the heading.
+    /// Text of one or two sentences below the heading.
     pub lead: String,
-    /// The answer in one line, if the study has one.
+    /// Answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
     /// Blocks between the answer and the figures.
     pub top: Vec<Block>,
@@ -60,7 +60,7 @@ pub struct Study {
     pub made: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
-    /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
+    /// Description of the machine, e.g. (`processor`, ...), (`operating system`, ...).
     pub machine: Vec<(String, String)>,
 }
 
@@ -80,9 +80,9 @@ pub struct Verdict {
 pub enum Tone {
     /// All requirements are met.
     Good,
-    /// A requirement is violated.
+    /// At least one requirement is violated.
     Bad,
-    /// A finding without a requirement.
+    /// Finding without a requirement.
     Neutral,
     /// Inconclusive.
     Open,
@@ -176,9 +176,9 @@ impl Section {
 /// Block of a section.
 #[derive(Debug, Clone)]
 pub enum Block {
-    /// A heading inside the section.
+    /// Heading inside the section.
     Heading(String),
-    /// A paragraph.
+    /// Paragraph.
     Text(String),
     /// List of points, one or two sentences each.
     List(Vec<String>),
@@ -186,7 +186,7 @@ pub enum Block {
     Facts(Vec<Fact>),
     /// Questions with their answers, side by side.
     Columns(Vec<Fact>),
-    /// A table that can be sorted.
+    /// Sortable table.
     Table(Table),
     /// Charts, side by side if there is room.
     Charts(Vec<Chart>),

@@ -149,7 +149,7 @@ pub struct Family {
 /// Column of a gearbox.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chosen {
-    /// The column's name.
+    /// Name of the column.
     pub name: String,
     /// Content of the column.
     pub what: What,

@@ -22,7 +22,7 @@ use crate::layout::Layout;
 /// Selected columns of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Channels {
-    /// The columns, in the order of the catalogue.
+    /// Columns in the order of the catalogue.
     pub list: Vec<Chosen>,
 }
 

@@ -1,4 +1,4 @@
-//! The table of keys.
+//! Table of keys.
 
 use pinwheel_scene::KEYS;
 

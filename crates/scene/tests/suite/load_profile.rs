@@ -1,4 +1,4 @@
-//! The load over time.
+//! Load over time.
 
 use pinwheel_scene::load_profile::*;
 use pinwheel_scene::{Drive, LoadChange, Scene};

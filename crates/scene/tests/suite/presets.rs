@@ -94,7 +94,7 @@ fn presets_differ_as_they_say() {
     assert!((gyration - 0.044_45).abs() < 5e-6, "{gyration}");
 }
 
-/// The loads of the other gears: a third of the paper's force on a ring pin, as their comments say.
+/// Loads of the other gears: a third of the paper's force on a ring pin, as stated in their comments.
 #[test]
 fn other_gears_are_lightly_loaded() {
     let paper = derived(&load("paper")).external_force_estimate_n;

@@ -1,4 +1,4 @@
-//! The curve C and its offset.
+//! Curve C and its offset.
 
 use pinwheel_scene::internals::Profile;
 use pinwheel_scene::{Gear, Scene};

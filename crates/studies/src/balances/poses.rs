@@ -13,9 +13,9 @@ pub const MOST: usize = 4096;
 pub const MOST_OF_ALL: usize = 4 * MOST;
 /// Poses of one period.
 ///
-/// In angles of the eccentrics, which are the input's except in RV gears: ring pins follow each other at the eccentric
-/// after 2 pi/zk of the input, output pins after 2 pi zs/(zi zk). Both repeat together after 2 pi zs/(g zk), g = gcd(zs,
-/// zi): less than a turn of the input. Parts with individual errors repeat only after a turn of the output.
+/// Angles are those of the eccentrics, which are the input's except in RV gears: ring pins follow each other at the
+/// eccentric after 2 pi/zk of the input, output pins after 2 pi zs/(zi zk). Both repeat together after 2 pi zs/(g zk), g =
+/// gcd(zs, zi): less than a turn of the input. Parts with individual errors repeat only after a turn of the output.
 pub struct Poses {
     /// Input angles, rad.
     pub angles: Vec<f64>,

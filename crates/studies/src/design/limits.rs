@@ -50,7 +50,7 @@ pub struct Limit {
     pub is_stated: bool,
 }
 
-/// Answer to the question of sufficient strength.
+/// Answer to: does the gear bear its load?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {

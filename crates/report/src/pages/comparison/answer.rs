@@ -567,7 +567,7 @@ pub(super) const DATA: &str = "data";
 /// Selects pairs that solve the scene's law.
 const SHARES: fn(&Pair) -> bool =
     |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
-/// Label of verdicts without *agree*, *differ* and possible action.
+/// Label of inconclusive verdicts without a possible action.
 pub(super) const UNRESOLVED: &str = "not resolved";
 /// Number of reasons listed one by one, if there is room.
 pub(super) const MOST: usize = 2;

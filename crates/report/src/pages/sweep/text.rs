@@ -92,7 +92,7 @@ fn result(plan: &Plan, records: &[RunRecord]) -> String {
     let rows = plan.runs.iter().zip(records).take(MOST_RUNS);
     let mut table = Table::of("", rows).text("", "engine", |(run, _)| &run.engine);
     for (place, key) in plan.keys().enumerate() {
-        // The last part of a key is the label; the full key stands below.
+        // The last part of a key is the label; the full key is below.
         let label = key.rsplit('.').next().unwrap_or(key);
         table = table.text("", label, |(run, _)| run.values[place].1.to_string());
     }
