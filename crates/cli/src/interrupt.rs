@@ -1,7 +1,7 @@
 //! Ctrl-C and SIGTERM: the first stops the running engine, the second ends the program. Without a running engine the first
 //! also ends the program if reading does not return.
 //!
-//! In both cases the unfinished output folder is removed.
+//! Both remove the unfinished output folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;

@@ -594,7 +594,7 @@ impl<'a> Statics<'a> {
     /// starts again without it.
     ///
     /// # Errors
-    /// As [`Statics::solve`].
+    /// Errors of [`Statics::solve`].
     pub fn solve_near(
         &mut self,
         near: &Equilibrium,
@@ -648,7 +648,7 @@ impl<'a> Statics<'a> {
     /// through the previous balances in `last` that predicted the one before best. A balance that is already known is not solved again.
     ///
     /// # Errors
-    /// As [`Statics::solve`].
+    /// Errors of [`Statics::solve`].
     pub fn track<'e>(
         &mut self,
         last: &'e mut Option<Equilibrium>,

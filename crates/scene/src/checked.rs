@@ -87,7 +87,7 @@ impl CheckedScene {
     /// Returns a copy with changes, checked again.
     ///
     /// # Errors
-    /// As [`Scene::check`].
+    /// Errors of [`Scene::check`].
     pub fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<Self, Fault> {
         self.changed_within(change, check::check)
     }
@@ -95,7 +95,7 @@ impl CheckedScene {
     /// Returns a copy with other solver settings. Checks only these, alone and with the values that they depend on.
     ///
     /// # Errors
-    /// As [`Scene::check`].
+    /// Errors of [`Scene::check`].
     pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
         self.changed_within(|scene| change(&mut scene.solver), check::solver)
     }

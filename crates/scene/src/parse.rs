@@ -66,7 +66,7 @@ impl Draft {
     /// values are exact: their uncertainties are removed.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// Errors of [`Scene::load`].
     pub fn with(&self, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
         if overrides.iter().any(|set| set.key() == BASE) {
             let all = [self.overrides.as_slice(), overrides].concat();

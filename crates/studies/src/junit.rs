@@ -65,7 +65,7 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
 /// Writes suites as one JUnit file.
 ///
 /// # Errors
-/// As of [`check`].
+/// Errors of [`check`].
 pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), OutputError> {
     let mut report = Report::new(name);
     report.add_test_suites(suites);

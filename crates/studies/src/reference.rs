@@ -98,7 +98,7 @@ pub fn solve(
 /// Makes both runs of a scene and returns them, the reference first; calls `announce` before each.
 ///
 /// # Errors
-/// As [`solve`].
+/// Errors of [`solve`].
 pub(crate) fn run(
     scene: &Scene,
     control: &Control<'_>,

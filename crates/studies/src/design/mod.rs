@@ -190,7 +190,7 @@ pub fn run(
 /// Like [`run`], without the motion.
 ///
 /// # Errors
-/// As [`run`].
+/// Errors of [`run`].
 pub(crate) fn answers(
     gearbox: &Gearbox,
     runs: bool,
