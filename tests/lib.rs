@@ -1,4 +1,4 @@
-//! Helpers of the whole-program tests: paths, the program, and its runs.
+//! Helpers of the tests of the program: paths, the program, and its runs.
 
 pub mod runs;
 pub mod served;
@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A path in the repository.
+/// Returns a path in the repository.
 #[must_use]
 pub fn repository(path: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
@@ -27,7 +27,7 @@ pub fn pinwheel() -> Command {
         .and_then(|test| Some(test.parent()?.parent()?.join(name)))
         .filter(|program| program.is_file());
     match program {
-        // Each test says itself whether runs are kept, and where.
+        // Each test sets storage of runs and its folder.
         Some(program) => {
             let mut command = Command::new(program);
             command
@@ -70,8 +70,8 @@ impl From<Output> for Outcome {
 
 /// Runs `pinwheel` in the folder `dir` to its end.
 ///
-/// Panics if the program cannot be built or started.
-/// When it cannot be built or started.
+/// # Panics
+/// If the program cannot be built or started.
 pub fn run_in<S: AsRef<OsStr>>(dir: &Path, args: impl IntoIterator<Item = S>) -> Outcome {
     match pinwheel()
         .current_dir(dir)

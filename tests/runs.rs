@@ -4,10 +4,10 @@ use pinwheel_engines::{Control, Run, by_name};
 use pinwheel_scene::{Override, Scene};
 use pinwheel_timeseries::TimeSeries;
 
-/// The preset with keys overridden, as `--set` does it.
+/// Returns the preset with keys overridden, as by `--set`.
 ///
 /// # Panics
-/// When there is no such preset or key, or a value is refused.
+/// For an unknown preset or key, or a refused value.
 #[must_use]
 pub fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
     let overrides: Vec<Override> = settings
@@ -20,10 +20,10 @@ pub fn scene(preset: &str, settings: &[(&str, &str)]) -> Scene {
     }
 }
 
-/// One run, however it ends.
+/// Makes one run with any ending.
 ///
 /// # Panics
-/// When there is no engine of that name.
+/// For an unknown engine.
 #[must_use]
 pub fn attempt(engine: &str, scene: &Scene) -> Run {
     let scene = scene.clone().check().unwrap();
@@ -33,10 +33,10 @@ pub fn attempt(engine: &str, scene: &Scene) -> Run {
     }
 }
 
-/// A run that must finish.
+/// Makes a run that must finish.
 ///
 /// # Panics
-/// When it does not.
+/// If it does not.
 #[must_use]
 pub fn whole(engine: &str, scene: &Scene) -> Run {
     match attempt(engine, scene).whole() {
@@ -45,16 +45,16 @@ pub fn whole(engine: &str, scene: &Scene) -> Run {
     }
 }
 
-/// The time series of a run that must not fail.
+/// Returns the time series of a run that must not fail.
 ///
 /// # Panics
-/// When it does.
+/// If it does.
 #[must_use]
 pub fn run(engine: &str, scene: &Scene) -> TimeSeries {
     whole(engine, scene).time_series
 }
 
-/// A native run of the same scene with another method and step.
+/// Makes a native run of a scene with another method and step.
 #[must_use]
 pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> TimeSeries {
     let mut scene = scene.clone();
@@ -63,7 +63,7 @@ pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> TimeSeries {
     run("native", &scene)
 }
 
-/// The channels of a quantity: a single one, or one per pin.
+/// Returns the channels of a quantity: a single one, or one per pin.
 #[must_use]
 pub fn channels<'a>(time_series: &'a TimeSeries, quantity: &str) -> Vec<&'a [f64]> {
     let group = time_series.group(quantity);
@@ -74,12 +74,12 @@ pub fn channels<'a>(time_series: &'a TimeSeries, quantity: &str) -> Vec<&'a [f64
     }
 }
 
-/// RMS of the difference over RMS of the reference, over all channels of the quantities together and the samples in
-/// the window, s, both ends included.
+/// Returns the RMS of the difference over RMS of the reference, over all channels of the quantities together and the
+/// samples in the window, s, both ends included.
 ///
 /// # Panics
-/// When the time series lack samples of the window or channels of the reference, or there is nothing to compare: silence must not
-/// look like agreement.
+/// If the time series lack samples of the window or channels of the reference, or there is nothing to compare, which must
+/// not look like agreement.
 #[must_use]
 pub fn relative(
     time_series: &TimeSeries,

@@ -1,10 +1,10 @@
-//! `pinwheel explore` as it runs, and its end.
+//! Running `pinwheel explore`, and its end.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, Stdio};
 
-/// The running program and the address that it printed; dropped, it is killed.
+/// Running program and the address that it printed; killed on drop.
 #[derive(Debug)]
 pub struct Served(pub Child, pub String);
 
@@ -12,7 +12,7 @@ impl Served {
     /// Serves a scene in the folder `dir` with flags of the command.
     ///
     /// # Panics
-    /// When the program does not start or prints no address.
+    /// If the program does not start or prints no address.
     #[must_use]
     pub fn with(dir: &Path, scene: &str, flags: &[&str]) -> Self {
         Self::in_path(dir, scene, flags, None)
@@ -21,7 +21,7 @@ impl Served {
     /// Serves a scene with programs from `path`.
     ///
     /// # Panics
-    /// When the program does not start or prints no address.
+    /// If the program does not start or prints no address.
     #[must_use]
     pub fn in_path(dir: &Path, scene: &str, flags: &[&str], path: Option<&str>) -> Self {
         let started = crate::pinwheel()
@@ -50,22 +50,22 @@ impl Served {
     /// Serves a scene on a port, 0 for a free one.
     ///
     /// # Panics
-    /// When the program does not start or prints no address.
+    /// If the program does not start or prints no address.
     #[must_use]
     pub fn of(dir: &Path, scene: &str, port: &str) -> Self {
         Self::with(dir, scene, &["--print", "--port", port])
     }
 
-    /// The port of its address.
+    /// Returns the port of its address.
     #[must_use]
     pub fn port(&self) -> &str {
         self.1.split([':', '/']).nth(4).unwrap_or_default()
     }
 
-    /// Sends an interrupt and waits; the exit status, and how long the program took to end.
+    /// Sends an interrupt and waits; returns the exit status and the time to the end.
     ///
     /// # Panics
-    /// When it cannot be sent.
+    /// If the signal cannot be sent.
     #[cfg(unix)]
     pub fn interrupt(&mut self) -> (Option<i32>, std::time::Duration) {
         let begin = std::time::Instant::now();

@@ -1,4 +1,4 @@
-//! With `crossval`, tells the program where libpython is.
+//! With `crossval`, sets the run-time path to libpython.
 
 fn main() {
     #[cfg(feature = "crossval")]

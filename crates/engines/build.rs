@@ -1,4 +1,4 @@
-//! Embeds the Python package and the recorded time series; with `crossval`, finds the Python to embed.
+//! Embeds the Python package and the recorded time series; with `crossval`, locates the Python to embed.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    // A package holds copies of what the links lead to. A checkout without links (Windows) has small files instead.
+    // Packages have copies of the links' targets. A checkout without links (Windows) has small files instead.
     let root =
         Some(here.join("shipped")).filter(|shipped| shipped.join("reference/recorded").is_dir());
     let root = root.unwrap_or_else(|| here.join("../.."));
@@ -65,13 +65,13 @@ fn walk(folder: &Path, endings: &[&str], files: &mut Vec<PathBuf>) -> io::Result
 
 #[cfg(feature = "crossval")]
 mod python {
-    /// The oldest Python that the pinned packages run on.
+    /// Oldest Python supported by the pinned packages.
     const OLDEST: (u8, u8) = (3, 11);
 
-    /// Links the embedded interpreter so that it is found at run time, and checks its version.
+    /// Links the embedded interpreter so that it is located at run time, and checks its version.
     ///
     /// # Panics
-    /// With the remedy, when it is too old or has no shared library: that is how a build script complains.
+    /// Message with the remedy, the usual error of a build script, if Python is too old or has no shared library.
     pub(super) fn find() {
         println!("cargo:rerun-if-env-changed=PYO3_PYTHON");
         let config = pyo3_build_config::get();

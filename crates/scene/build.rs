@@ -1,11 +1,11 @@
-//! Says where the presets are: in the repository, or in a package beside the sources.
+//! Locates the presets: in the repository, or in a package beside the sources.
 
 use std::env;
 use std::path::Path;
 
 fn main() {
     let here = env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
-    // A package holds copies of what the links lead to. A checkout without links (Windows) has small files instead.
+    // Packages have copies of the links' targets. A checkout without links (Windows) has small files instead.
     let shipped = format!("{here}/shipped");
     let shipped = if Path::new(&shipped).join("reference/scenes").is_dir() {
         shipped

@@ -1,11 +1,11 @@
-//! Whether everyone can use a page: contrast, names, headings, labels; the rules of WCAG 2.2 AA that a script can see. Our own
-//! look knows the pages (lines of charts, sizes of buttons, what scrolls); axe-core knows more rules, where there is one.
+//! Accessibility of pages: contrast, names, headings, labels; the rules of WCAG 2.2 AA that a script can check. Our own
+//! checks cover lines of charts, sizes of buttons and scrolling; axe-core, if available, covers more rules.
 
 use std::sync::OnceLock;
 
 use crate::chromium::Chromium;
 
-/// The script of axe-core, if `PINWHEEL_AXE` names one; with `PINWHEEL_REQUIRE_AXE` set it must.
+/// Returns the script of axe-core if `PINWHEEL_AXE` names one; with `PINWHEEL_REQUIRE_AXE` a missing one is a failure.
 fn axe() -> Option<&'static str> {
     static SCRIPT: OnceLock<Option<String>> = OnceLock::new();
     let read = || {
@@ -21,7 +21,7 @@ fn axe() -> Option<&'static str> {
     SCRIPT.get_or_init(read).as_deref()
 }
 
-/// Serious and critical findings of axe-core on the page as it stands, a line each; nothing where there is no axe-core.
+/// Returns serious and critical findings of axe-core on the open page, a line each; empty without axe-core.
 pub(crate) fn findings(browser: &mut Chromium) -> Vec<String> {
     const RUN: &str = "axe.run(document, { resultTypes: ['violations'] }).then((found) => found.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
     let Some(script) = axe() else {
@@ -35,7 +35,7 @@ pub(crate) fn findings(browser: &mut Chromium) -> Vec<String> {
         .collect()
 }
 
-/// Faults of the page as it stands, a line each.
+/// Script that returns faults of the open page, a line each.
 pub(crate) const ACCESS: &str = r##"(() => {
   const faults = [];
   const pen = new OffscreenCanvas(1, 1).getContext('2d', { willReadFrequently: true });

@@ -1,5 +1,5 @@
-//! No green without an agreement to show, nor with a difference that nothing explains: who differs, why, and what to do, on the first
-//! screen of page and terminal.
+//! Green requires an agreement, and no unexplained difference: the first screen of page and terminal names the differing
+//! engines, the cause and the next step.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use pinwheel_timeseries::TimeSeries;
 
 use crate::chromium::{Chromium, DESK, browse};
 
-/// What a comparison says: banner, first screen, and terminal.
+/// Texts of a comparison: banner, first screen, and terminal.
 struct Said {
     banner: String,
     screen: String,
@@ -31,7 +31,7 @@ impl Said {
         }
     }
 
-    /// Shown as `tone`, with all of `wanted` on the first screen and on the terminal.
+    /// Checks the tone, and all of `wanted` on the first screen and on the terminal.
     fn says(&self, tone: &str, verdict: &str, wanted: &[&str]) {
         assert_eq!(self.banner, format!("banner {tone}"), "{}", self.screen);
         let last = self.terminal.contains(&verdict.to_uppercase());
@@ -45,7 +45,7 @@ impl Said {
     }
 }
 
-/// A rig of 120 % of the driver's torque, and its map, which says how far it may be off or does not.
+/// Writes rig data of 120 % of the driver's torque, and their map with or without an uncertainty.
 fn rig(dir: &Path, uncertainty: &str) {
     let ran = run_in(
         dir,
@@ -69,11 +69,11 @@ fn rig(dir: &Path, uncertainty: &str) {
 fn browser_is_amber_where_nothing_confirms() {
     browse(|browser, dir| {
         let short = "--set solver.duration_s=0.02";
-        // One engine alone agrees with its load, and with nobody.
+        // A single engine agrees with its load, and has no partner.
         let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
         alone.says("open", "Not confirmed", &["nothing agrees yet"]);
 
-        // Data that are 20 % off and do not say how far they may be.
+        // Data that are 20 % off without an uncertainty.
         let against =
             format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
         rig(dir, "");
@@ -83,7 +83,7 @@ fn browser_is_amber_where_nothing_confirms() {
             "Not confirmed",
             &["by rig", "nothing shown", "its map states neither"],
         );
-        // And that do.
+        // With an uncertainty.
         rig(dir, ", uncertainty = { of_reading = 0.005 }");
         let judged = Said::of(browser, dir, &against, 0);
         judged.says(
@@ -92,12 +92,12 @@ fn browser_is_amber_where_nothing_confirms() {
             &["by rig", "nothing explains it", "what the model leaves out"],
         );
 
-        // A solver whose forces are 20 % too large: with runs that show how far it may be off it differs, without it confirms nothing.
+        // A solver with forces 20 % too large differs if its runs give an uncertainty, and confirms nothing without one.
         let made = run_in(dir, words("solver new --language python mine"));
         assert_eq!(made.code, Some(0), "{made:?}");
         let place = dir.join("mine/solver.py");
         let sound = std::fs::read_to_string(&place).unwrap();
-        // First one that forgets a part of the output torque, and is looked at alone.
+        // First one that omits a part of the output torque, checked alone.
         let unbalanced = sound.replace("output = loads[5]", "output = 0.6 + loads[5]");
         assert_ne!(sound, unbalanced);
         std::fs::write(&place, unbalanced).unwrap();
@@ -123,12 +123,13 @@ fn browser_is_amber_where_nothing_confirms() {
     });
 }
 
-/// An engine with contacts of its own beside the native solver: what parts them is told, and whose contacts explain it.
+/// The answer names the difference between an engine with its own contacts and the native solver, and the contacts that
+/// explain it.
 #[test]
 fn browser_says_whose_contacts_make_the_difference() {
     browse(|browser, dir| {
         let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
-        // The scene's own law is confirmed by nobody.
+        // No engine confirms the scene's law.
         let said = Said::of(browser, dir, command, 4);
         let wanted = [
             "from native runs with the same contacts",

@@ -1,11 +1,11 @@
-//! Questions that a reader brings, each answered on the first screen of a page and on the terminal.
+//! A reader's questions, answered on the first screen of a page and on the terminal.
 
 use serde_json::Value;
 
 use crate::chromium::{Chromium, DESK, PHONE, browse};
 use pinwheel_tests::{run_in, words};
 
-/// Questions of a comparison, with a regular expression of the answer.
+/// Questions on a comparison, with a regular expression of the answer.
 const ASKED: [(&str, &str); 11] = [
     (
         "which force may I use",
@@ -32,21 +32,21 @@ const ASKED: [(&str, &str); 11] = [
     ),
 ];
 
-/// Text of a page's answer above that height.
+/// Returns the text of a page's answer above a height.
 fn first_screen(browser: &mut Chromium, height: u32) -> String {
     browser.text(&format!(
         "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < {height}).filter((e) => ![...e.children].some((c) => c.matches('p, dt, dd, div, dl'))).map((e) => e.textContent).join(' ')"
     ))
 }
 
-/// The same questions of the terminal.
+/// Returns the same questions for the terminal.
 fn on_terminal() -> [(&'static str, &'static str); 11] {
     let mut asked = ASKED;
     asked[0].1 = r"Ring pin force, largest [\d.]+ N";
     asked
 }
 
-/// Fails unless every question finds its answer, a regular expression of the browser.
+/// Checks that every question has its answer, a regular expression in the browser's syntax.
 fn answered(browser: &mut Chromium, place: &str, text: &str, asked: &[(&str, &str)]) {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let text = Value::String(text);
@@ -63,7 +63,7 @@ const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --tor
 fn browser_answers_on_the_first_screen() {
     browse(|browser, dir| {
         assert_eq!(run_in(dir, words(INIT)).code, Some(0));
-        // Engines that have two reasons not to run make the terminal's answer longest.
+        // Engines with two reasons for omission make the terminal's answer longest.
         let left_out = match cfg!(feature = "crossval") {
             true => {
                 ",rapier-own-contact-hook,rapier-own-contact-colliders,mujoco-own-contact,exudyn-own-contact"
@@ -79,7 +79,7 @@ fn browser_answers_on_the_first_screen() {
                 "compare {scene} --engines native-reduced,native-lagrange,rapier-shared-law{more} --set solver.duration_s=0.004 --out r --force"
             );
             let done = run_in(dir, words(&compare));
-            // What was asked for and left out is an error.
+            // A missing named engine is an error.
             let code = if more.is_empty() { 0 } else { 3 };
             assert_eq!(done.code, Some(code), "{done:?}");
             assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
@@ -98,7 +98,7 @@ fn browser_answers_on_the_first_screen() {
     });
 }
 
-/// Questions of a run, and of a design.
+/// Questions on a run, and on a design.
 const ASKED_OF_A_RUN: [(&str, &str); 10] = [
     ("which force may I use", r"external forces peak [\d.]+"),
     ("which force inside", r"internal forces peak [\d.]+"),
@@ -137,7 +137,7 @@ fn browser_answers_of_run_and_design() {
         browser.open(&dir.join("d/index.html"), DESK);
         let screen = first_screen(browser, 900);
         answered(browser, "page of design", &screen, &ASKED_OF_A_DESIGN);
-        // A table says a figure's name over several lines; there they are found by what they are of.
+        // A table spreads a figure's name over several lines, so its parts are searched.
         let of_table: Vec<_> = ASKED_OF_A_DESIGN[5..]
             .iter()
             .map(|row| ("", row.1))

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 /// Longest wait for one message on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Names under which it is installed, and where it stands on a Mac.
+/// Names of the program, and its path on a Mac.
 const NAMES: [&str; 7] = [
     "chromium",
     "chromium-browser",
@@ -35,11 +35,11 @@ const FLAGS: [&str; 9] = [
     "--disable-dev-shm-usage",
     "--disable-background-networking",
     "--hide-scrollbars",
-    // The pages are our own, and containers seldom allow its sandbox.
+    // The pages are this project's, and containers seldom allow its sandbox.
     "--no-sandbox",
 ];
 
-/// Width of the screen, theme, and whether the reader asks for less motion.
+/// Width of the screen, theme, and preference for less motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
     pub(crate) width: u32,
@@ -54,7 +54,7 @@ pub(crate) const DESK: Look = Look {
 };
 pub(crate) const PHONE: Look = Look { width: 390, ..DESK };
 
-/// A running browser; dropped, it ends.
+/// Running browser, ended on drop.
 pub(crate) struct Chromium {
     child: Child,
     commands: ChildStdin,
@@ -68,7 +68,7 @@ pub(crate) struct Chromium {
     loaded: bool,
 }
 
-/// The browser's program: `PINWHEEL_CHROMIUM`, or the first installed one.
+/// Returns the browser's program: `PINWHEEL_CHROMIUM`, or the first installed one.
 fn program() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("PINWHEEL_CHROMIUM") {
         return Some(path.into());
@@ -82,7 +82,7 @@ fn program() -> Option<PathBuf> {
     all.find(|program| program.is_file())
 }
 
-/// Runs a test in a browser and an empty folder. Without a browser the test is skipped, which is printed, unless
+/// Runs a test in a browser and an empty folder. Without a browser it prints a note and skips the test, or fails if
 /// `PINWHEEL_REQUIRE_BROWSER` is set.
 pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
     let Some(program) = program() else {
@@ -145,7 +145,7 @@ impl Chromium {
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, json!({}));
         }
-        // Durations are processor time, so that they do not depend on what else the machine does.
+        // Durations are processor time, independent of other load.
         browser.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
         browser
     }
@@ -182,7 +182,7 @@ impl Chromium {
         );
     }
 
-    /// `print`, or nothing for the screen.
+    /// Selects the medium `print`, or the screen for an empty name.
     pub(crate) fn media(&mut self, media: &str) {
         self.call("Emulation.setEmulatedMedia", json!({"media": media}));
     }
@@ -253,7 +253,7 @@ impl Chromium {
         std::fs::write(file, bytes).unwrap();
     }
 
-    /// The value of a script, promises awaited.
+    /// Returns the value of a script, with promises awaited.
     pub(crate) fn evaluate(&mut self, script: &str) -> Value {
         let got = self.call(
             "Runtime.evaluate",
@@ -263,13 +263,13 @@ impl Chromium {
         got["result"]["value"].clone()
     }
 
-    /// The text of a script's value.
+    /// Returns the text of a script's value.
     pub(crate) fn text(&mut self, script: &str) -> String {
         let value = self.evaluate(script);
         value.as_str().unwrap_or_default().to_owned()
     }
 
-    /// `LayoutCount`, `ThreadTime` (processor seconds) and other counts of the page's main thread.
+    /// Returns `LayoutCount`, `ThreadTime` (processor seconds) and other counts of the page's main thread.
     pub(crate) fn metrics(&mut self) -> BTreeMap<String, f64> {
         let got = self.call("Performance.getMetrics", json!({}));
         let list = got["metrics"].as_array().unwrap();
@@ -277,7 +277,7 @@ impl Chromium {
         list.iter().filter_map(pair).collect()
     }
 
-    /// Fails if the console complained since the page was opened.
+    /// Fails if the console has complaints since the page was opened.
     pub(crate) fn assert_quiet(&self) {
         assert!(self.complaints.is_empty(), "{:?}", self.complaints);
     }
@@ -300,7 +300,7 @@ impl Chromium {
         }
     }
 
-    /// The next message; events are noted.
+    /// Returns the next message; stores events.
     fn read(&mut self) -> Value {
         let answer = self.answers.recv_timeout(PATIENCE);
         let message = answer.expect("the browser answers");
@@ -322,7 +322,7 @@ impl Chromium {
             }
             Some("Log.entryAdded") => {
                 let (level, text) = (&params["entry"]["level"], &params["entry"]["text"]);
-                // It is the tests that read pixels back.
+                // Only tests read pixels back.
                 let bad = matches!(level.as_str(), Some("error" | "warning"))
                     && !text.to_string().contains("willReadFrequently");
                 bad.then(|| format!("log: {text}"))

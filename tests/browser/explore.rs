@@ -1,4 +1,4 @@
-//! `pinwheel explore` under a hand: every slider is dragged, and nothing is lost.
+//! `pinwheel explore` in use: every slider is dragged, and no state is lost.
 
 #![allow(clippy::print_stdout, reason = "measured figures")]
 
@@ -11,17 +11,17 @@ use crate::chromium::{Chromium, DESK, PHONE, browse};
 use crate::faults;
 use crate::interact::{click, place};
 
-/// Waits until all that was asked is answered and balanced, and for the bands by contact law too.
+/// Waits until all requests are answered with balances and bands by contact law.
 const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => setTimeout(r, ms)); while (document.body.dataset.explore === undefined) await rest(20); \
     for (let before = ''; ; before = document.body.dataset.answered) { await rest(250); if (document.body.dataset.busy === undefined && document.body.dataset.computing === undefined && document.body.dataset.answered === before) return; } })()";
-/// Waits until all that was asked is answered and balanced.
+/// Waits until all requests are answered with balances.
 const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 60)); } while (document.body.dataset.busy !== undefined || document.querySelector('#why').textContent.startsWith('Balances')); })()";
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
 const SAID: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
 const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
-/// Share of its length at which a slider's thumb stands.
+/// Returns the relative position of a slider's thumb.
 fn share(browser: &mut Chromium, slider: &str) -> f64 {
     let script =
         format!("(() => {{ const s = {slider}; return (s.value - s.min) / (s.max - s.min); }})()");
@@ -42,7 +42,7 @@ fn drag(browser: &mut Chromium, slider: &str, to: f64) {
     browser.mouse(&[("mouseReleased", at(to), y)], 1);
 }
 
-/// Waits until a text of the page fulfils a condition; it may load itself again meanwhile.
+/// Waits until a text of the page meets a condition; the page may reload meanwhile.
 fn until(browser: &mut Chromium, script: &str, holds: impl Fn(&str) -> bool) -> String {
     for _ in 0..400 {
         let text = browser.text(script);
@@ -54,7 +54,7 @@ fn until(browser: &mut Chromium, script: &str, holds: impl Fn(&str) -> bool) -> 
     panic!("{script} stays {}", browser.text(script));
 }
 
-/// The 95th percentile of the times from a hand's move to the drawn answer, ms; they are printed.
+/// Prints the times from an input to the drawn answer and returns the 95th percentile, ms.
 fn late(browser: &mut Chromium, of: &str) -> f64 {
     let times = browser.evaluate("window.pinwheelLatencies");
     let times = times.as_array().unwrap().iter();
@@ -86,7 +86,7 @@ fn browser_explores_under_a_hand() {
             // From here on a bearing is elastic.
             if k == 7 {
                 let late = late(browser, "rigid");
-                // Asked for where nothing else runs, of the program as users have it.
+                // Checked only on request, for a release build on an idle machine.
                 let most = std::env::var("PINWHEEL_LATENCY_MS");
                 if let Some(most) = most.ok().and_then(|ms| ms.parse::<f64>().ok()) {
                     assert!(late <= most, "{late} ms");
@@ -113,7 +113,7 @@ fn browser_explores_under_a_hand() {
             let now = [FIGURES, drawn].map(|script| browser.text(script));
             assert_ne!(now, before, "slider {k} changes nothing");
         }
-        // What cannot be says why at its slider, and the last good state stays.
+        // An invalid state gives the reason at its slider, and the last valid state stays.
         let slider = "document.querySelector('#gear-eccentricity_m')";
         drag(browser, slider, 1.0);
         browser.evaluate(BALANCED);
@@ -133,7 +133,7 @@ fn browser_explores_under_a_hand() {
         browser.evaluate(BALANCED);
         assert_eq!(browser.evaluate(STALE), json!(false));
 
-        // Saved it is the state: a valid scene with the values shown.
+        // The saved file is the state: a valid scene with the displayed values.
         click(browser, "document.querySelector('#save')");
         until(browser, SAID, |text| {
             text.starts_with("State B is in gear-explored.toml; next: pinwheel design")
@@ -143,7 +143,7 @@ fn browser_explores_under_a_hand() {
         let off = 1e3 * saved.gear.eccentricity_m - shown.as_f64().unwrap();
         assert!(off.abs() < 0.02, "{off} mm");
 
-        // Loaded again it shows the same two states; so it does after the program was killed and started again.
+        // Reloading shows the same two states, also after the program was killed and restarted.
         browser.evaluate(SETTLED);
         let kept = browser.text(FIGURES);
         let hash = browser.text("location.hash");
@@ -158,12 +158,12 @@ fn browser_explores_under_a_hand() {
         assert_eq!(again, kept, "lost when loaded again");
         drop(served);
         let served = Served::of(dir, "gear.toml", &port);
-        // The address that is printed anew has no states: the browser kept them.
+        // A newly printed address has no states: the browser stored them.
         let again = reload(browser, &served.1);
         assert_eq!(again, kept, "lost with the program");
         assert_eq!(browser.text("location.hash"), hash);
 
-        // The page follows the file.
+        // The page follows changes of the file.
         let file = dir.join("gear.toml");
         let scene = std::fs::read_to_string(&file).unwrap();
         let lighter = scene.replace("output_torque_n_m = 200", "output_torque_n_m = 150");
@@ -174,7 +174,7 @@ fn browser_explores_under_a_hand() {
         browser.evaluate(SETTLED);
         let shown = browser.text(FIGURES);
         assert_ne!(shown, kept, "the file is not followed");
-        // Saved with a fault it says so, and shows what it showed.
+        // A file saved with a fault gives a message, and the display stays.
         let faulty = lighter.replace("eccentricity_m = ", "eccentricity_m = -");
         std::fs::write(&file, faulty).unwrap();
         until(browser, SAID, |text| text.contains("eccentricity_m"));
@@ -313,7 +313,8 @@ fn browser_explores_by_numbers_steps_and_links() {
     });
 }
 
-/// Balances of a gear on elastic bearings take longer than its run: they are said to be computed, and never another state's.
+/// Balances of a gear on elastic bearings take longer than its run: the page shows that they are being computed, and never
+/// another state's.
 #[test]
 fn browser_says_what_is_still_computed() {
     browse(|browser, dir| {
@@ -326,7 +327,7 @@ fn browser_says_what_is_still_computed() {
         let mut served = Served::of(dir, "gear.toml", "0");
         browser.go(&served.1, DESK);
         browser.evaluate(SETTLED);
-        // Balances late enough to be seen on any machine, and all that the table ever showed meanwhile.
+        // Balances late enough on any machine, with a record of all that the table shows meanwhile.
         browser.evaluate(
             "const ask = window.fetch; window.fetch = async (path, ...how) => { \
              if (String(path).includes('balances')) await new Promise((r) => setTimeout(r, 1000)); \
@@ -355,7 +356,7 @@ fn browser_says_what_is_still_computed() {
         assert!(shown.contains(&json!("computing")), "{shown:?}");
         assert!(!browser.text(FIGURES).contains("computing"));
 
-        // A comparison tells how far it is; an interrupt ends it and leaves nothing.
+        // A comparison shows its progress; an interrupt ends it without leftovers.
         click(browser, "document.querySelector('#compare')");
         let told = until(browser, SAID, |text| text.contains(" of "));
         assert!(told.starts_with("Compares: "), "{told}");

@@ -1,4 +1,4 @@
-//! Names of scenes, files, columns and sweeps that would be markup, scripts or turn the line round, in a live browser.
+//! Names of scenes, files, columns and sweeps with markup, scripts or direction marks, in a live browser.
 
 use std::fs;
 
@@ -9,8 +9,8 @@ use crate::chromium::{DESK, browse};
 const SCRIPT: &str = "<script>document.title='owned'</script>\\\"'`";
 const IMAGE: &str = "a \\\"><img src=x onerror=\\\"document.title='owned'\\\"> <b id=owned>b</b> ${1} {{x}} \\u202Egpj";
 
-/// What a page made of a name: its title if that was overwritten, elements that only a name could have made, characters that
-/// turn the line round, and whether the name is there to be read.
+/// Script that returns effects of a hostile name: an overwritten title, injected elements, direction marks, and the
+/// presence of the name as text.
 const LOOK: &str = "[document.title, document.querySelectorAll('[onerror], [src=x], #owned').length, \
     document.documentElement.outerHTML.includes('\\u202E'), document.body.textContent.includes(\"<script>document.title='owned'\")]";
 

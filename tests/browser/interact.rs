@@ -1,4 +1,4 @@
-//! What people do with a comparison's page, by mouse, finger and keys.
+//! Use of a comparison's page by mouse, finger and keys.
 
 use std::path::Path;
 
@@ -9,9 +9,9 @@ use crate::chromium::{Chromium, DESK, PHONE};
 /// Waits until the chart is drawn.
 const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
 
-/// Centre and size of an element, of its first line where it is text that wraps, scrolled into sight.
+/// Returns centre and size of an element, or of the first line of wrapped text, scrolled into view.
 pub(crate) fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
-    // What is above may still be drawn, so that the element moves: its place is known once it stands still.
+    // Elements above may still be drawn and move it, so the position is read at rest.
     let script = format!(
         "(async () => {{ const e = {element}; let before = ''; for (let k = 0; k < 60; k += 1) {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
          const b = e.getClientRects()[0] || new DOMRect(); const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
@@ -26,12 +26,12 @@ pub(crate) fn click(browser: &mut Chromium, element: &str) {
     browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 1);
 }
 
-/// Labels of the window buttons that are pressed, and how much of the curves is shown.
+/// Labels of the pressed window buttons, and the displayed part of the curves.
 const WINDOW: &str = "[...document.querySelectorAll('#windows [aria-pressed=true]')].map((b) => b.textContent).join()";
 const OVER: &str = "document.querySelector('#chart .u-over')";
 const TIP: &str = "(() => { const t = document.querySelector('#chart .tip'); return t.hidden ? '' : t.textContent; })()";
 
-/// Zoom by dragging, all at a double click, values at the cursor, engines on and off, other quantities and scales.
+/// Zoom by dragging, full range at a double click, values at the cursor, engines on and off, other quantities and scales.
 pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
     assert_eq!(browser.text(DRAWN), "Ring pin force no. 0");
@@ -74,7 +74,7 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     assert_eq!(browser.text(WINDOW), "");
     click(browser, "document.querySelector('#windows button')");
     assert_eq!(browser.text(WINDOW), all);
-    // An engine less.
+    // One engine less.
     click(browser, "document.querySelectorAll('#legend .chip')[1]");
     let [x, y, ..] = place(browser, OVER);
     browser.mouse(&[("mouseMoved", x + 9.0, y), ("mouseMoved", x, y)], 0);
@@ -149,13 +149,13 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     assert!(browser.text(WINDOW).starts_with("all"));
     browser.key("Escape");
     assert_eq!(browser.text(TIP), "");
-    // The time of the gearbox.
+    // Time of the gearbox.
     let at = "document.querySelector('.gearboxes .at').textContent";
     let before = browser.text(at);
     browser.evaluate("document.querySelector('.gearbox-time input').focus()");
     browser.key("ArrowRight");
     assert_ne!(browser.text(at), before, "the slider does not move by keys");
-    // A cell of a matrix opens its pair, and what it is folded in.
+    // A cell of a matrix opens its pair with its folded parents.
     let open = "[...document.querySelectorAll('.item')].filter((p) => p.open).length";
     assert_eq!(browser.evaluate(open), json!(0), "what passed is folded");
     browser.evaluate("document.querySelector('[id^=track] td.map a').focus()");
@@ -164,7 +164,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.evaluate("document.querySelector('.item[open]').open = false");
     click(browser, "document.querySelector('[id^=track] td.map a')");
     assert_eq!(browser.evaluate(open), json!(1), "the same link again");
-    // Sorted by what is clicked: by D, which no two rows share.
+    // Sorted by the clicked column D, whose values are distinct.
     let first = "document.querySelector('.item[open] tbody tr th').textContent";
     click(
         browser,
@@ -176,7 +176,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
         "document.querySelectorAll('.item[open] button.sort')[3]",
     );
     assert_ne!(browser.text(first), rising, "a table does not sort");
-    // Depth opens from the bar.
+    // A link in the bar opens a folded section.
     click(browser, "document.querySelector('nav a[href=\"#costs\"]')");
     assert_eq!(
         browser.evaluate("document.querySelector('#costs > details').open"),
@@ -185,7 +185,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.assert_quiet();
 }
 
-/// The time line of the gearbox follows a mouse that drags along it.
+/// The time line of the gearbox follows dragging by mouse.
 pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
     browser.evaluate(DRAWN);
@@ -211,7 +211,7 @@ pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
     }
 }
 
-/// The switch of themes changes what is drawn, not only what is written.
+/// The switch of themes changes drawings, not only text.
 pub(crate) fn the_dark_reaches_the_charts(browser: &mut Chromium, page: &Path) {
     const INK: &str = "(async () => { await new Promise((r) => setTimeout(r, 200)); const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
         let [sum, n] = [0, 0]; for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 250 && Math.abs(d[k] - d[k + 2]) < 30) { sum += d[k]; n += 1; } return sum / n; })()";
@@ -230,7 +230,7 @@ pub(crate) fn the_dark_reaches_the_charts(browser: &mut Chromium, page: &Path) {
     );
 }
 
-/// On a phone: the switch of themes is there and works, fingers read values, the answer comes first.
+/// On a phone the switch of themes works, fingers read values, the answer comes first.
 pub(crate) fn phones_are_served(browser: &mut Chromium, page: &Path) {
     browser.open(page, PHONE);
     browser.evaluate(DRAWN);
@@ -258,7 +258,7 @@ pub(crate) fn phones_are_served(browser: &mut Chromium, page: &Path) {
     );
 }
 
-/// On paper it stands alone: few sheets, with verdict, figures, the gearbox and the chart on them.
+/// In print few sheets have verdict, figures, the gearbox and the chart.
 pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
     browser.evaluate(DRAWN);
@@ -278,7 +278,7 @@ pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
     assert_eq!(seen["ground"], json!("rgb(255, 255, 255)"));
 }
 
-/// A browser that cannot inflate shows the same values.
+/// A browser without decompression shows the same values.
 pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
     const VALUES: &str = "(() => { const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; for (const v of d) h = (h * 31 + v) | 0; return h; })()";
     let mut seen: Vec<Value> = Vec::new();

@@ -1,7 +1,7 @@
-//! The pages in a real browser: no complaint in the console, every figure drawn, nothing wider than the screen, on a phone and
+//! Pages in a real browser: no complaint in the console, every figure drawn, nothing wider than the screen, on a phone and
 //! a desk, in both themes.
 //!
-//! Without Chromium these tests say that they were skipped; with `PINWHEEL_REQUIRE_BROWSER` set they fail.
+//! Without Chromium these tests print that they are skipped; with `PINWHEEL_REQUIRE_BROWSER` they fail.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
@@ -34,7 +34,7 @@ const LOOKS: [Look; 5] = [
     PHONE,
 ];
 
-/// Faults of the page as it is drawn, with every `details` open.
+/// Script that returns faults of the drawn page, with every `details` open.
 const LOOK_AT: &str = r#"(async () => {
   const rest = (ms) => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(r, ms))));
   document.querySelectorAll('details').forEach((d) => { d.open = true; });
@@ -84,8 +84,8 @@ const LOOK_AT: &str = r#"(async () => {
   };
 })()"#;
 
-/// Curves that are in a legend and not to be seen when all others are hidden: lines as well as points, one at a time, for
-/// curves that agree lie on each other.
+/// Script that returns invisible curves of a legend: lines and points one at a time with all others hidden, because equal
+/// curves overlap.
 const SERIES: &str = r#"(async () => {
   const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)));
   const pen = new OffscreenCanvas(1, 1).getContext('2d');
@@ -115,7 +115,7 @@ const SERIES: &str = r#"(async () => {
   return { looked, faults };
 })()"#;
 
-/// Faults of the open page in one look, and the look itself.
+/// Returns faults of the open page in one look, and the look.
 fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     browser.look(look);
     let mut seen = browser.evaluate(LOOK_AT);
@@ -148,8 +148,9 @@ fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     (faults, seen)
 }
 
-/// Opens a page once and looks at it in every look. It has at least so many plots, so many moving gearboxes, and takes at most
-/// so many sheets in print. Pictures of faults, or with `PINWHEEL_PICTURES` of all looks, are in `target/screenshots`.
+/// Checks a page in every look, opened once. It has at least these numbers of plots and moving gearboxes, and takes at most
+/// this number of printed sheets. Pictures of faults, or with `PINWHEEL_PICTURES` of all looks, are in
+/// `target/screenshots`.
 fn flawless(browser: &mut Chromium, page: &Path, [plots, gearboxes, sheets]: [usize; 3]) {
     let name = std::thread::current().name().unwrap().replace("::", "-");
     let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("screenshots");
@@ -217,7 +218,7 @@ fn browser_sees_what_is_wrong() {
     });
 }
 
-/// Points without a width once were invisible, and the chart looked like one with fewer curves.
+/// Points without a width are invisible, and the chart looks like one with fewer curves.
 #[test]
 fn browser_misses_curves_that_are_not_drawn() {
     browse(|browser, dir| {
@@ -231,7 +232,7 @@ fn browser_misses_curves_that_are_not_drawn() {
             browser.open(&page, DESK);
             browser.evaluate(SERIES)["faults"].as_array().unwrap().len()
         };
-        // The sound page, points of the chart of orders, every line.
+        // The valid page, points of the chart of orders, every line.
         assert_eq!(missing("", ""), 0);
         assert!(missing("...(series.marks ? { width: 0 } : {})", "width: undefined") > 0);
         assert!(missing("series.thin ? 1 : 1.6", "series.thin ? 1 : 0") > 0);
@@ -274,7 +275,7 @@ fn browser_does_what_is_asked() {
     });
 }
 
-/// A page with one fault in its script fails the question that is about it.
+/// Any fault in a page's script fails the related question.
 #[test]
 #[ignore = "weekly: a minute; run it after a change of these tests or of the page's scripts"]
 fn browser_questions_see_broken_pages() {
@@ -311,7 +312,7 @@ fn browser_questions_see_broken_pages() {
     }
 }
 
-/// Takes the pictures in the documents, of pages in `PINWHEEL_PAGES` if they are there: `-- --ignored pictures`.
+/// Takes the pictures of the documents, of pages in `PINWHEEL_PAGES` if available: `-- --ignored pictures`.
 #[test]
 #[ignore = "writes docs/report.png and docs/paper.png; minutes"]
 fn pictures_of_the_documents() {

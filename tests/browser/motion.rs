@@ -1,5 +1,5 @@
-//! The gearbox in motion: that it moves and stops, what a frame of it asks of the browser, and that nobody pays for what
-//! nobody sees. Work is counted, not timed; times are printed (`-- --nocapture`).
+//! Animation of the gearbox: motion and stops, cost of a frame in the browser, no work while invisible. Work is counted,
+//! not timed; times are printed (`-- --nocapture`).
 
 #![allow(clippy::print_stdout, reason = "measured figures")]
 
@@ -9,14 +9,14 @@ use serde_json::Value;
 
 use crate::chromium::{Chromium, DESK, Look, PHONE};
 
-/// A reader who has not asked for less motion. On a small screen: painted without a graphics card, its frames take a third of
-/// the time.
+/// Reader without a preference for less motion, on a small screen: without a graphics card its frames take a third of the
+/// time.
 const MOVING: Look = Look {
     still: false,
     ..PHONE
 };
 
-/// The gearbox moves, stops at a click, moves at a key, and waits for those who asked for less motion.
+/// The gearbox moves, stops at a click, moves at a key, and waits if the reader prefers less motion.
 pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
     const WATCH: &str = r#"(async () => {
       const host = document.querySelector('.gearboxes');
@@ -58,7 +58,7 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
     );
 }
 
-/// Counts what the page asks of the browser: `count` since the start, `frames` with the share of each frame.
+/// Counts the page's requests to the browser: `count` since the start, `frames` for each frame.
 const COUNT: &str = r#"(() => {
   const count = { points: 0, paints: 0, paths: 0, texts: 0, reads: 0, requests: 0, changes: 0 };
   const frames = [];
@@ -100,7 +100,7 @@ const COUNT: &str = r#"(() => {
   document.querySelector('.gearboxes').scrollIntoView({ block: 'start' });
 })()"#;
 
-/// Resolves when so many more frames were drawn.
+/// Resolves after this number of drawn frames.
 const FRAMES: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
@@ -127,7 +127,7 @@ const THESE: &str = r#"(async () => {
   function host_size() { const c = document.querySelector('.gearbox-view canvas'); return [c.width, c.height]; }
 })()"#;
 
-/// A frame is a bounded number of strokes of the pen, makes no path, and asks nothing of the page.
+/// A frame takes a bounded number of pen strokes, makes no path, and reads no layout.
 pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.open(
         page,
@@ -161,11 +161,11 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     for key in ["paths", "texts", "reads"] {
         assert_eq!(number(key), 0.0, "{key}: {seen}");
     }
-    // Two discs, 8 + 16 pins, 32 forces at most: measured 407 points and 58 strokes; with paths built in every frame and
-    // every part drawn by itself it was 212 strokes, 4 paths made and 3 sizes asked for.
+    // Two discs, 8 + 16 pins, at most 32 forces: measured 407 points and 58 strokes; with paths built in every frame and
+    // separate drawing of every part 212 strokes, 4 paths and 3 size queries.
     assert!(number("points") < 600.0, "{seen}");
     assert!(number("paints") < 90.0, "{seen}");
-    // What changes is text, ten times a second: a frame between does not lay the page out.
+    // Text changes ten times a second, and other frames cause no layout.
     assert!(
         spent("LayoutCount") <= number("changes") + 3.0,
         "{} layouts, {seen}",
@@ -174,7 +174,7 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.assert_quiet();
 }
 
-/// Paused, scrolled away or in a hidden tab it asks for no frame; back in sight it goes on from where it was.
+/// Paused, scrolled away or in a hidden tab it requests no frame; back in view it continues from its time.
 pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     const WATCH: &str = r#"(async () => {
       const { count } = window.counted;
@@ -212,9 +212,9 @@ pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     assert!(all.values().all(|v| *v == Value::Bool(true)), "{seen}");
 }
 
-/// On a fine screen whose frames come late it draws fewer pixels while it plays, and all of them at rest.
+/// With late frames on a fine screen it draws fewer pixels in motion, and all of them at rest.
 pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
-    // The clock is the test's own: frames 40 ms apart, however fast the machine is.
+    // The clock belongs to the test: frames 40 ms apart on any machine.
     const WATCH: &str = r#"(async () => {
       const host = document.querySelector('.gearboxes');
       const canvas = host.querySelector('.gearbox-view canvas');

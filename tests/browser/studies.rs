@@ -1,4 +1,4 @@
-//! The pages of the studies, from small ones.
+//! Pages of small studies.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ fn browser_shows_a_sweep() {
               document.querySelector('.banner .headline').textContent.startsWith('Ring pin force, peak: '), document.body.textContent.includes('did not finish')]",
         );
         assert_eq!(seen, json!([true, 2, true, false]));
-        // Two axes are a map; lines, other axes and figures are a choice away.
+        // Two axes give a map; lines, other axes and figures are selectable.
         let seen = browser.evaluate(
             "(async () => {
               const rest = () => new Promise((r) => setTimeout(r, 200));
@@ -75,7 +75,7 @@ fn browser_shows_a_sweep() {
     });
 }
 
-/// A panel for each value of a third axis, named apart.
+/// A panel, with its value, for each value of a third axis.
 #[test]
 fn browser_shows_a_sweep_over_three_axes() {
     browse(|browser, dir| {
@@ -89,12 +89,12 @@ fn browser_shows_a_sweep_over_three_axes() {
               return [maps.length, new Set(maps.map((m) => m.getAttribute('aria-label'))).size, document.querySelectorAll('.heat-map td.map').length];
             })()",
         );
-        // The axis with most values comes first, so that one of two values has the panels.
+        // The axis with most values comes first, so the one with two values has the panels.
         assert_eq!(seen, json!([2, 2, 12]));
     });
 }
 
-/// Measured data come first: drawn, with residual and budget, and with what was done to their times.
+/// Measured data come first: drawn, with residual and uncertainty budget, and with the changes of their times.
 #[test]
 fn browser_shows_measured_data() {
     browse(|browser, dir| {
@@ -172,7 +172,7 @@ fn browser_shows_a_design() {
 #[test]
 fn browser_shows_two_designs() {
     browse(|browser, dir| {
-        // Other numbers of pins, and a name that is as long as it may be and holds what markup is made of.
+        // Other numbers of pins, and a name of maximal length with markup characters.
         let name = format!("loose & <b>{}", "long-".repeat(17));
         let other = format!(
             "base = \"eleven-pins\"\nname = \"{name}\"\n[gear]\nbacklash_m = 1e-4\n[solver]\nduration_s = 0.02\n"
@@ -192,13 +192,13 @@ fn browser_shows_two_designs() {
             let numbers = values.iter().all(|v| v.is_number());
             assert!(numbers, "of each its own pins: {row}");
         }
-        // Nothing has passed or failed: what differs is said, by name and how much.
+        // Without pass or fail, differences have their name and size.
         let class = browser.text("document.querySelector('.banner').className");
         assert_eq!(class, "banner finding");
         let said = browser.text("document.querySelector('.banner .headline').textContent");
         let much = said.contains('%') || said.contains('\u{d7}');
         assert!(said.contains("figures differ, most: ") && much, "{said}");
-        // What only one of them has is drawn too: the twelfth pin.
+        // Channels of only one design are drawn too: the twelfth pin.
         let drawn = browser.text(
             "(async () => {
               const choose = (id, value) => { const s = document.getElementById(id); s.value = value; s.dispatchEvent(new Event('change')); };
@@ -236,7 +236,7 @@ fn browser_shows_a_baseline() {
             let file = file.unwrap();
             fs::copy(file.path(), accepted.join(file.file_name())).unwrap();
         }
-        // Another accepted count, so that something has moved and is shown.
+        // Another accepted count, so that a change is shown.
         let file = accepted.join("baseline.toml");
         let text = fs::read_to_string(&file).unwrap();
         let (before, after) = text.split_once("right_hand_sides = 4000").unwrap();
@@ -252,7 +252,7 @@ fn browser_shows_the_paper() {
         flawless(browser, &page(dir, "paper --figures 9"), [2, 1, 9]);
         let summary = summary(dir);
         assert_eq!(summary["figures"][0]["verdict"], "holds");
-        // The counts of the first screen are those of all rows.
+        // The counts of the first screen include all rows.
         let banner = browser.text("document.querySelector('.banner').innerText");
         let numbers = banner.split(|c: char| !c.is_ascii_digit());
         let numbers: Vec<usize> = numbers.filter_map(|word| word.parse().ok()).collect();
@@ -262,7 +262,7 @@ fn browser_shows_the_paper() {
         };
         assert_eq!(holds + sometimes + not + meaningless, all, "{banner}");
         assert_eq!(all, rows("figures") + rows("claims"), "{banner}");
-        // Two gearboxes took a sheet each in print.
+        // Wider gearboxes would take a printed sheet each.
         browser.look(crate::DESK);
         browser.media("print");
         let wide = browser.evaluate("document.querySelector('.gearbox-view canvas').clientWidth");

@@ -1,8 +1,8 @@
-//! How near the engines come to the native solver.
+//! Distances of the engines from the native solver.
 
 use super::*;
 
-/// All three engines of the shared law against a converged run, by the limits of their methods.
+/// Compares all three engines of the shared law with a converged run, within the limits of their methods.
 fn assert_shared_law(
     what: &str,
     scene: &Scene,
@@ -36,8 +36,8 @@ fn crossval_python_shared_law_steady() {
     }
 }
 
-/// The start-up transient, live. Measured at 1e-5 s: 7.4e-6 for Runge-Kutta 4 with the paper's gear, 7.4e-5 with
-/// backlash, where pins come into contact with a knock; 2.8e-3 for the implicit trapezoidal rule.
+/// The start-up transient, live. Measured at 1e-5 s: 7.4e-6 for Runge-Kutta 4 with the paper's gear, 7.4e-5 with backlash,
+/// where pins come into contact with an impact; 2.8e-3 for the implicit trapezoidal rule.
 #[test]
 fn crossval_python_shared_law_transient() {
     for (preset, settings, explicit, constrained) in [
@@ -50,7 +50,7 @@ fn crossval_python_shared_law_transient() {
             3e-5,
             5e-3,
         ),
-        // Real steel rings ten times as fast and lifts off: a tenth of the step. Measured 1.0e-4.
+        // Real steel oscillates ten times as fast and lifts off: a tenth of the step. Measured 1.0e-4.
         (
             "steel",
             vec![("solver.step_s", "1e-6"), ("solver.duration_s", "0.003")],
@@ -86,12 +86,12 @@ fn crossval_python_constrained_order() {
     assert!((3.5..4.5).contains(&(coarse / fine)));
 }
 
-/// Friction: implicit at the paper's step, explicit at the step that resolves it.
+/// Friction: implicit at the paper's step, explicit at a step that resolves it.
 #[test]
 fn crossval_python_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.003")]);
     let reference = native(&scene, "rk4", 1e-7);
-    // Measured 5e-4 on the forces; the driver torque lives on single samples at which a contact begins to stick.
+    // Measured 5e-4 on the forces; single samples at which a contact begins to stick dominate the driver torque.
     let constrained = run(CONSTRAINED, &scene);
     assert_within(CONSTRAINED, worst(&constrained, &reference, 0.0), 1e-2);
     let mut fine = scene.clone();
@@ -126,9 +126,9 @@ fn crossval_python_load_changes() {
     }
 }
 
-/// Own contact, live: MuJoCo and exudyn from the law's equilibrium. Their beds carry the load some per cent
-/// differently, so they start with a ringing of a few per cent; means over it are compared. Wave forms after it has
-/// decayed are judged on the recordings.
+/// Own contact, live: MuJoCo and exudyn from the law's equilibrium. Their beds carry the load some per cent differently, so
+/// they start with an oscillation of a few per cent; means over it are compared. The recordings are judged on wave forms
+/// after its decay.
 #[test]
 fn crossval_python_own_contact_live() {
     let settings = [

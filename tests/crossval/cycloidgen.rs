@@ -1,6 +1,6 @@
-//! Statics against the Python package cycloidgen, live: closed forms pose by pose, the recording, and the solver.
+//! Statics against the Python package cycloidgen, live: closed forms by poses, the recording, and the solver.
 //!
-//! It runs in a small environment of its own, so that the one of the engines does not grow by what only this test needs.
+//! It runs in a small environment of its own, so that the engines' environment does not grow.
 
 use std::f64::consts::TAU;
 use std::process::Command;
@@ -37,7 +37,7 @@ fn recording() -> Vec<toml::Table> {
         .collect()
 }
 
-/// Loads of recorded gears as the package computes them.
+/// Returns the package's loads of recorded gears.
 fn loads(gears: &[toml::Table]) -> Vec<Value> {
     let environment =
         environment(CYCLOIDGEN, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
@@ -92,7 +92,7 @@ fn off(found: &[f64], wanted: &[f64]) -> f64 {
     pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / size
 }
 
-/// Today's package on today's numpy gives what was recorded. Measured: equal, but for the last digits.
+/// The present package on the present numpy reproduces the recording. Measured: equal, except for the last digits.
 fn gives_what_was_recorded(gears: &[toml::Table], live: &[Value]) {
     let mut worst = 0.0_f64;
     for (recorded, live) in gears.iter().zip(live) {
@@ -117,7 +117,7 @@ fn gives_what_was_recorded(gears: &[toml::Table], live: &[Value]) {
     println!("live against recorded: {worst:.1e}");
 }
 
-/// Levers, forces, bearing force and torque equivalence of every pose, both stages. Measured: 1.2e-13 at most.
+/// Levers, forces, bearing force and torque equivalence of every pose, both stages. Measured: at most 1.2e-13.
 fn closed_forms(live: &[Value]) {
     for live in live {
         let name = live["scene"].as_str().unwrap();
@@ -168,12 +168,12 @@ fn closed_forms(live: &[Value]) {
     }
 }
 
-/// Our solver knows the curve and the law, and nothing of levers. As stiffness grows its forces tend to
-/// `F = T l^p/sum of l^(p + 1)` with the levers of the package, p the exponent of the law.
+/// The native solver uses the curve and the law, without levers. With increasing stiffness its forces approach `F = T
+/// l^p/sum of l^(p + 1)` with the levers of the package, p the exponent of the law.
 ///
-/// Penetrations bend the picture in proportion. Measured: external forces are off by up to 4.4e-4 of the largest, internal ones
-/// by 1.6e-4, T/(e zs) by 9.5e-6; a hundred times stiffer, with penetrations 63 times smaller (100^0.9), by 6.9e-6, 2.5e-6 (63
-/// times less) and 1.5e-7.
+/// The difference is proportional to penetrations. Measured: external forces are off by up to 4.4e-4 of the largest,
+/// internal ones by 1.6e-4, T/(e zs) by 9.5e-6; a hundred times stiffer, with penetrations 63 times smaller (100^0.9), by
+/// 6.9e-6, 2.5e-6 (63 times less) and 1.5e-7.
 fn levers_carry_the_solver(live: &[Value]) {
     for live in live {
         let name = live["scene"].as_str().unwrap();
@@ -202,7 +202,8 @@ fn levers_carry_the_solver(live: &[Value]) {
     }
 }
 
-/// Largest errors of the external and the internal forces, over the largest, and of the bearing force across the eccentric.
+/// Returns the largest errors of the external and the internal forces, over the largest, and of the bearing force across
+/// the eccentric.
 fn solver_against(live: &Value, scene: &Scene, torque: f64) -> [f64; 3] {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();

@@ -1,4 +1,4 @@
-//! Discs that float: on the bearing of one eccentric, and on the cranks of RV gears.
+//! Floating discs: on the bearing of one eccentric, and on the cranks of RV gears.
 
 use std::time::Duration;
 
@@ -9,10 +9,10 @@ use pinwheel_gearbox::Gearbox;
 
 use super::*;
 
-/// Presets with what is changed: on one eccentric and on cranks, of either kind beside the presets some that nobody builds.
+/// Presets with changes: on one eccentric and on cranks, also unrealistic gears.
 const GEARS: &[(&str, &[(&str, &str)])] = &[
     ("paper-bearings", &[]),
-    // A clearance, a power between a line's and a ball's, and pins that bend.
+    // A clearance, an exponent between a line's and a ball's, and pins that bend.
     (
         "eleven-pins",
         &[
@@ -43,7 +43,7 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
     ("needle-bearings", &[("solver.duration_s", "0.0002")]),
     ("rv-320", &[("solver.duration_s", "0.0002")]),
     ("rv-40e-like", &[("solver.duration_s", "0.0002")]),
-    // One disc on four cranks, each part with an error, and an elastic first stage.
+    // One disc on four cranks, with errors of each part and an elastic first stage.
     (
         "rv-40e-like",
         &[
@@ -73,11 +73,11 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
 ];
-/// Number of gears in every run of the tests, about 5 s each. The weekly workflow takes the other gears, 4 to 30 s each.
+/// Number of gears in every test run, about 5 s each. The weekly workflow takes the other gears, 4 to 30 s each.
 const OFTEN: usize = 3;
 
-/// Every engine that shares the law, with the largest difference from the first, relative, that its forces and torques may have,
-/// and the largest U of that pair.
+/// Engines with the shared law, with the largest relative difference of forces and torques from the first, and the largest
+/// U of that pair.
 ///
 /// Measured, the largest of all gears: D 1.4e-4, 9.5e-4 (rapier, leapfrog), 4.9e-5, 4.9e-5, 1.7e-3 (implicit steps of second order),
 /// 8.3e-6, 8.3e-6; U 3.5e-3, 4.7e-3, 1.5e-3, 1.5e-3, 4.5e-3, 2.3e-4, 2.3e-4. Times 3.
@@ -92,7 +92,7 @@ const ENGINES: &[(&str, f64, f64)] = &[
     ("ida-shared-law", 2.5e-5, 7e-4),
 ];
 
-/// Holds D and U of every engine from native to their limits as the load comes on, over 0.5 ms or what the gear says.
+/// Checks D and U of every engine from native against their limits as the load rises, over 0.5 ms or the gear's duration.
 ///
 /// Limits below `least` count as `least`.
 fn agree(gears: &[(&str, &[(&str, &str)])], least: [f64; 2]) {
@@ -166,7 +166,7 @@ fn crossval_floating_more_discs() {
     agree(&GEARS[OFTEN..], [0.0; 2]);
 }
 
-/// Engines that differ from native in a gear, or exceed their limits, a line each.
+/// Returns engines that differ from native in a gear, or exceed their limits, a line each.
 fn faults(preset: &str, sets: &[(&str, &str)], least: [f64; 2]) -> Vec<String> {
     let gear = format!("{preset} {sets:?}");
     let base = [
@@ -213,12 +213,12 @@ fn faults(preset: &str, sets: &[(&str, &str)], least: [f64; 2]) -> Vec<String> {
         }
         let [d, u] = largest;
         println!("{gear}, {name}: D {d:.1e}, U {u:.1e}");
-        // Without a bound nothing was resolved, and nothing would have been found.
+        // Without a bound nothing is resolved, and no fault would appear.
         if d > most_d.max(least[0]) || u > most_u.max(least[1]) || (*most_u > 0.0 && u == 0.0) {
             wrong.push(format!("{gear}, {name}: D {d:e}, U {u:e}"));
         }
     }
-    // Each alone: its output torque and the load give the output its acceleration.
+    // Each alone: output torque and load must match the output's acceleration.
     for engine in &found.comparison.engines {
         let judged = engine.judged.iter();
         for entry in judged.filter(|entry| entry.result.verdict == Verdict::Differ) {

@@ -1,4 +1,4 @@
-//! Faults on purpose, and the process after them.
+//! Intentional faults, and use of the process after them.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +7,7 @@ use pinwheel_faults::{Armed, Fault};
 
 use super::*;
 
-/// Guards: each fault on purpose, seen as an error, and the process of use afterwards.
+/// Guards: each intentional fault is an error, and the process remains usable.
 #[test]
 fn crossval_python_guards() {
     let short = scene("paper", &[("solver.duration_s", "0.002")]);
@@ -73,7 +73,7 @@ fn crossval_python_repeats_and_alternates() {
         let _ = run(MUJOCO, &other);
         assert_same_bits(&run(engine, &scene), before, engine);
     }
-    // Two at a time, on threads of their own.
+    // Two at a time, on separate threads.
     std::thread::scope(|scope| {
         for (engine, before) in ALL.iter().zip(&first).take(2) {
             let scene = &scene;
@@ -120,7 +120,7 @@ fn crossval_python_refuses_what_it_cannot_honour() {
         assert!(reason(engine, &scene("steel", &[])).contains("ramp"));
         let sealed = scene("paper", &[("bearings.input_seal_n_m", "0.1")]);
         assert!(reason(engine, &sealed).contains("bearings.input_seal_n_m"));
-        // Of another law they get balls as stiff.
+        // Under another law they get equally stiff balls.
         let law = scene("paper", &[("contact.law", "\"constant\"")]);
         let soft = [("contact.stiffness_multiplier", "0.01")];
         assert!(reason(engine, &scene("modified", &soft)).contains("rotational_rad"));
@@ -132,7 +132,7 @@ fn crossval_python_refuses_what_it_cannot_honour() {
     }
 }
 
-/// What the package reads is what the program writes: every preset, every key.
+/// The package reads the program's output: every preset, every key.
 #[test]
 fn crossval_python_reads_every_preset() {
     for preset in pinwheel_scene::PRESETS {
@@ -143,7 +143,7 @@ fn crossval_python_reads_every_preset() {
         let run = attempt(MUJOCO, &scene);
         match run.ending {
             Ending::Finished => assert_eq!(run.time_series.len(), 2, "{}", preset.name),
-            // Some hard presets are hard for that.
+            // Divergence is the point of some hard presets.
             Ending::Diverged { .. } => {}
             other => panic!("{}: {other}", preset.name),
         }

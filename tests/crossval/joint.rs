@@ -1,4 +1,4 @@
-//! The joint that `pinwheel design` writes, in MuJoCo beside the whole gear: same input, same course of the load.
+//! Joint of `pinwheel design` in MuJoCo against the full gear: equal input, equal load over time.
 
 use std::fmt::Write as _;
 use std::process::Command;
@@ -19,10 +19,10 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count).sqrt()
 }
 
-/// The input turns; the load goes from half of the rated one to all of it within two periods of the joint's vibration and, through
-/// the play, to half of it the other way within 20. RMS of the joint's output angle less the gear's, over the RMS of the gear's
-/// twist, before and after the load begins to turn round. Measured 3.4 and 8.1 %, 2.9 and 21 %, 1.4 and 25 %, 3.1 and 5.4 %, times 1.5:
-/// in the play the joint's damper acts, and contacts do not.
+/// The input turns; the load rises from half of the rated one to all of it within two periods of the joint's vibration and,
+/// through the play, to half of it in the other direction within 20. RMS of the joint's output angle less the gear's, over
+/// the RMS of the gear's twist, before and after the reversal begins. Measured 3.4 and 8.1 %, 2.9 and 21 %, 1.4 and 25 %,
+/// 3.1 and 5.4 %, times 1.5: in the play the joint's damper acts, and contacts do not.
 #[test]
 fn crossval_joint_follows_the_gear() {
     let environment =

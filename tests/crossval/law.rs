@@ -1,17 +1,17 @@
-//! The contact law across the border: against a second implementation, and through every key.
+//! The contact law across the boundary: against a second implementation, and with every key.
 
 use pinwheel_engines::python::law_agreement;
 
 use super::*;
 
-/// The law in Rust and the one in numpy, written from the paper's equations alone, at 1 000 random states.
+/// The law in Rust and the one in numpy, an independent implementation of the paper's equations, at 1 000 random states.
 ///
-/// A penetration is a difference of lengths of 64 mm, known to 1.4e-17 m whatever its size, so a force is known to
-/// its slope times that. Measured over that bound: at most 1.45; over the largest force met: 1.2e-12, and
-/// 1.2e-11 for steel, whose penetrations are a twentieth and below the ramp; 1.3e-12 for eleven pins. With
-/// 12 000 points stiffness comes from a circle through three that are 36 um apart, which costs a digit: 7.6e-12.
-/// Rollers on a line, with the force along the profile: 6.5e-13, and 7.7e-12 for steel with a modified profile.
-/// Over the largest force of the *same* state the worst is 2e-9, in states where next to nothing touches.
+/// A penetration is a difference of lengths of 64 mm, accurate to 1.4e-17 m, so a force is accurate to its slope times
+/// that. Measured over that bound: at most 1.45; over the largest force: 1.2e-12, and 1.2e-11 for steel, whose penetrations
+/// are a twentieth and below the ramp; 1.3e-12 for eleven pins. With 12 000 points stiffness comes from a circle through
+/// three that are 36 um apart, which costs a digit: 7.6e-12. Rollers on a line, with the force along the profile: 6.5e-13,
+/// and 7.7e-12 for steel with a modified profile. Over the largest force of the *same* state the worst is 2e-9, in states
+/// with nearly no contact.
 #[test]
 fn crossval_python_law_in_numpy() {
     let friction = ("contact.friction_coefficient", "0.1");
@@ -50,7 +50,7 @@ fn crossval_python_law_in_numpy() {
         assert_within(preset, found.worst_n / found.largest_n, largest);
         assert_within("roundings", found.worst_over_rounding, 3.0);
     }
-    // A law that is off is seen.
+    // A wrong law is detected.
     let mut off = scene("paper", &[]);
     off.contact.law = "constant".to_owned();
     assert!(matches!(
@@ -59,8 +59,8 @@ fn crossval_python_law_in_numpy() {
     ));
 }
 
-/// The same Runge-Kutta 4 in other coordinates and another program: rounding. Every law, every friction, both
-/// detections and other gears reach the engines through the border. Measured 4.5e-13 at most.
+/// Runge-Kutta 4 in other coordinates and another program differs by rounding only. Every law, every friction, both
+/// detections and other gears pass the boundary to the engines. Measured 4.5e-13 at most.
 #[test]
 fn crossval_python_every_law_same_method() {
     let base = [("solver.duration_s", "0.002"), ("solver.step_s", "1e-5")];

@@ -1,6 +1,6 @@
-//! exudyn, MuJoCo, Simbody and IDA against the native solver, live and as recorded.
+//! exudyn, MuJoCo, Simbody and IDA against the native solver, live and recorded.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
@@ -36,12 +36,12 @@ const QUANTITIES: [&str; 4] = [
     "internal_sleeve_force_n",
 ];
 
-/// Error of one quantity from a time on.
+/// Returns the error of one quantity from a time on.
 fn relative(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str, from_s: f64) -> f64 {
     runs::relative(time_series, reference, &[quantity], (from_s, f64::INFINITY))
 }
 
-/// The largest of the four quantities' errors.
+/// Returns the largest of the four quantities' errors.
 fn worst(time_series: &TimeSeries, reference: &TimeSeries, from_s: f64) -> f64 {
     QUANTITIES
         .iter()

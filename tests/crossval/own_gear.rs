@@ -1,4 +1,4 @@
-//! Gears that nobody tuned anything for: what a user's scene leaves out is filled in, and the peers follow.
+//! Untuned gears: omitted keys of a user's scene are filled in, and the peers agree.
 
 use pinwheel_engines::OwnContact;
 use pinwheel_gearbox::Gearbox;
@@ -23,7 +23,7 @@ input_speed_rad_s = 100.0
 output_torque_n_m = 200.0
 "#;
 
-/// A gear of a few millimetres that carries a thousandth of a newton metre.
+/// A gear of a few millimetres with a load of a thousandth of a newton metre.
 const TINY: &str = r#"
 name = "twelve pins of 0.6 mm"
 [gear]
@@ -40,7 +40,7 @@ input_speed_rad_s = 300.0
 output_torque_n_m = 0.001
 "#;
 
-/// The scene as far as some of its own samples.
+/// Returns the scene with a duration of some of its samples.
 fn gear(text: &str, samples: f64, start: Start) -> Scene {
     let mut scene = Scene::from_toml(text, "gear.toml", &[])
         .unwrap()
@@ -68,8 +68,8 @@ fn crossval_python_own_gear_shared_law() {
     }
 }
 
-/// Wave forms from equilibrium, both peers, against a native run with balls as stiff as theirs. Measured
-/// at most 5.8e-2, 1.4e-3, 1.3e-2 and 4.4e-3.
+/// Wave forms from equilibrium, both peers, against a native run with equally stiff balls. Measured at most 5.8e-2, 1.4e-3,
+/// 1.3e-2 and 4.4e-3.
 fn own_contact(text: &str) {
     let scene = gear(text, 300.0, Start::Equilibrium);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! The Python package on its own: its tests, its linters, its command line, in an environment of its own.
+//! Tests, linters and command line of the Python package, in an environment of its own.
 
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -24,7 +24,7 @@ fn folder() -> PathBuf {
 
 fn python(arguments: &[&str]) -> Command {
     let mut command = Command::new(tools().python);
-    // Nothing is written into the source tree.
+    // The source tree stays unchanged.
     command
         .args(arguments)
         .env("PYTHONDONTWRITEBYTECODE", "1")
@@ -43,7 +43,7 @@ fn assert_fine(what: &str, output: &Output) {
     );
 }
 
-/// Tests of the engines under the law in numpy whose facts others of `crossval` show under the compiled law.
+/// Tests of the engines under the law in numpy that repeat those of `crossval` under the compiled law.
 const REPEATED: &str = "same_method or that_changes or second_order or solves_friction or loaded_start or load_ramp \
                         or cancel_and_repeat or first_sample";
 

@@ -1,4 +1,4 @@
-//! The program with Python in it: what it leaves behind, how it stops, and what it does without a Python.
+//! The program with Python: remains, stops, and behaviour without a Python.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -65,7 +65,7 @@ fn crossval_python_program_stops_when_asked() {
             assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
             std::thread::sleep(Duration::from_millis(5));
         }
-        // Python is being loaded, or steps already: both must end.
+        // Python is loading, or already steps: both must end.
         std::thread::sleep(Duration::from_secs(2));
         interrupt(&child);
         let outcome = Outcome::from(child.wait_with_output().unwrap());
@@ -84,8 +84,8 @@ fn interrupt(child: &Child) {
     assert!(sent.success());
 }
 
-/// Engines in Python that run in processes of their own, ahead of the comparison, give what they give one after the other in its own,
-/// and are found by the next.
+/// Engines in Python that run in separate processes before the comparison give equal results to sequential runs in its own,
+/// and the next comparison uses them.
 #[test]
 fn crossval_python_engines_side_by_side_change_no_bit() {
     let dir = tempfile::tempdir().unwrap();
@@ -130,7 +130,8 @@ fn crossval_python_engines_side_by_side_change_no_bit() {
     }
 }
 
-/// No environment, no network, no compiler: `compare` shows the recordings and says so; without one the error names the remedies.
+/// Without environment, network and compiler `compare` states that it shows recordings; without these the error names the
+/// remedies.
 #[test]
 fn crossval_python_program_without_packages_falls_back_on_recordings() {
     let dir = tempfile::tempdir().unwrap();
@@ -169,7 +170,7 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
     ] {
         assert!(shown.contains(word), "{word}: {}", outcome.stdout);
     }
-    // Nothing was recorded of this scene.
+    // This scene has no recordings.
     for (engine, remedies) in [
         (
             "mujoco-shared-law",
@@ -196,7 +197,7 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
         left.iter().all(|name| name.ends_with(".lock")),
         "half a program or environment: {left:?}"
     );
-    // Without `--engines` those that are here are compared, and the reason is given for each of the others.
+    // Without `--engines` the available ones are compared, with a reason for each of the others.
     let outcome = run(
         Some("/nowhere"),
         "compare one-wheel --set solver.duration_s=0.002 --longest 1 --out own",

@@ -1,19 +1,19 @@
-//! The recordings: where live runs are. `crossval_limits` holds them against limits.
+//! Recordings against live runs. `crossval_limits` checks them against limits.
 
 use pinwheel_engines::recorded;
 
 use super::*;
 
-/// A live run repeats its recording's first samples. Both come from the same pinned packages, so only the digits of
-/// the recording part them on one machine; another processor's rounding grows in the transient. 1e-6 of a
-/// quantity's peak, and half a unit of the recording's last digit, leave room for that and for nothing else.
+/// A live run repeats its recording's first samples. Both come from the same pinned packages, so on one machine they differ
+/// only by the digits of the recording; another processor's rounding grows in the transient. 1e-6 of a quantity's peak, and
+/// half a unit of the recording's last digit, permit no more than that.
 #[test]
 fn crossval_python_live_runs_stay_on_their_recordings() {
     let mut compared = 0;
     for (preset, engine) in recorded::list().filter(|(_, engine)| ALL.contains(engine)) {
         let recording = recorded::find(preset, engine).unwrap().unwrap();
         let mut scene = recording.scene.clone();
-        // Friction iterates long.
+        // Friction takes many iterations.
         scene.solver.duration_s = if preset == "paper-friction" {
             0.002
         } else {

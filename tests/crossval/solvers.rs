@@ -1,6 +1,6 @@
 //! Simbody and SUNDIALS IDA against the native solver, through the protocol for solvers.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 use std::fs;
 
@@ -16,7 +16,7 @@ const IDA: &str = "ida-shared-law";
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
 const TORQUE: [&str; 1] = ["input_torque_n_m"];
 
-/// Where Simbody is not installed its tests say so; where it must be (`PINWHEEL_REQUIRE_SIMBODY`), that is a failure.
+/// True if Simbody is installed; otherwise prints a note, or fails if `PINWHEEL_REQUIRE_SIMBODY` is set.
 fn simbody() -> bool {
     let nothing = scene("paper", &[("solver.duration_s", "0.0001")]);
     match attempt(SIMBODY, &nothing).ending {
@@ -30,7 +30,7 @@ fn simbody() -> bool {
     }
 }
 
-/// Errors of forces and driver torque against the resolved native run.
+/// Returns the errors of forces and driver torque against the resolved native run.
 fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &TimeSeries) -> [f64; 2] {
     let run = runs::whole(engine, scene);
     let error =
@@ -58,7 +58,7 @@ fn assert_within(errors: [f64; 2], limits: [f64; 2]) {
     }
 }
 
-/// Start-up and steady state, and the same with the tolerance ten times smaller.
+/// Checks start-up and steady state, also with a tenth of the tolerance.
 fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
     let start = scene("paper", &[("solver.duration_s", "0.05")]);
     let resolved = run("native-resolved", &start);
@@ -80,8 +80,8 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
     assert_within(errors(engine, &loaded, (0.03, 0.05), &resolved), steady);
 }
 
-/// Measured 2.9e-7 (forces) and 3.0e-7 (driver torque) in the transient, 1.8e-7 and 2.0e-7 steady: times 4. 3.4 times nearer
-/// at a tenth of the tolerance.
+/// Measured 2.9e-7 (forces) and 3.0e-7 (driver torque) in the transient, 1.8e-7 and 2.0e-7 steady: times 4. 3.4 times
+/// nearer at a tenth of the tolerance.
 #[test]
 fn crossval_simbody_paper() {
     if simbody() {
@@ -102,8 +102,8 @@ fn friction() -> (Scene, TimeSeries) {
     (scene, resolved)
 }
 
-/// The sharpest reference for friction: CPodes, measured 3.2e-7 and 1.4e-6, which is what native-resolved states of itself
-/// (1.4e-6 and 6.3e-6). Times 4 of that.
+/// The most accurate reference for friction: CPodes, measured 3.2e-7 and 1.4e-6, which is the stated uncertainty of
+/// native-resolved (1.4e-6 and 6.3e-6). Times 4 of that.
 #[test]
 fn crossval_simbody_friction() {
     if simbody() {
@@ -113,7 +113,7 @@ fn crossval_simbody_friction() {
     }
 }
 
-/// Which step meets a kink of the friction is chance: at tolerances within a quarter of this one 2.2e-6 to 6.6e-6 and 1.8e-5 to
+/// The step at a kink of the friction is random: at tolerances within a quarter of this one 2.2e-6 to 6.6e-6 and 1.8e-5 to
 /// 5.2e-5. Times 3 of the largest.
 #[test]
 fn crossval_ida_friction() {
@@ -150,8 +150,8 @@ fn crossval_engines_with_changes_of_the_speed() {
     assert!(reason.contains("drive.speed_changes"), "{reason}");
 }
 
-/// A profile of one's own, by each form: IDA by the law's library, exudyn, and rapier; the law in Python checks itself against ours
-/// before exudyn runs.
+/// User-defined profiles, in each form: IDA with the law's library, exudyn, and rapier; the law in Python is checked
+/// against the native one before exudyn runs.
 #[test]
 fn crossval_engines_with_own_profiles() {
     for form in [
@@ -184,10 +184,10 @@ fn crossval_engines_with_own_profiles() {
     }
 }
 
-/// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
-/// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose ringing BDF damps. Times 4 to 5; with friction more,
-/// because of what native-resolved states of itself. After the reversal contacts open and close, and Simbody's error is luck: 2.5e-7
-/// to 2.0e-6 with tolerances within a fifth of this one.
+/// Load steps, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
+/// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose oscillation BDF damps. Times 4 to 5; with friction
+/// more, because of the stated uncertainty of native-resolved. After the reversal contacts open and close, and Simbody's
+/// error is random: 2.5e-7 to 2.0e-6 with tolerances within a fifth of this one.
 #[test]
 fn crossval_solvers_other_scenes() {
     let simbody = simbody();
@@ -219,7 +219,7 @@ fn crossval_solvers_other_scenes() {
     }
 }
 
-/// The same run twice gives the same time series to the last bit.
+/// Equal runs give equal time series to the last bit.
 #[test]
 fn crossval_solvers_repeat_to_the_bit() {
     let simbody = simbody();
@@ -232,8 +232,8 @@ fn crossval_solvers_repeat_to_the_bit() {
     }
 }
 
-/// What is missing is named with its remedy, and `compare` shows the recordings, saying so.
-/// Four programs at once compile what the cache lacks, and what was damaged there since is compiled anew.
+/// A missing solver is named with its remedy, and `compare` states that it shows the recordings. Four programs at once
+/// compile missing or damaged parts of the cache.
 #[test]
 fn crossval_simbody_cache_is_whole_or_made_anew() {
     if !simbody() {
@@ -277,8 +277,8 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
 }
 
-/// A live run stays on its recording. Measured 4.9e-7; another processor's rounding makes the step control take other steps,
-/// and then both are off by their own errors, of which IDA's on steel is the largest: 3.7e-4, times 2.7.
+/// A live run follows its recording. Measured 4.9e-7; another processor's rounding makes the step control take other steps,
+/// and then both have errors of their own, of which IDA's on steel is the largest: 3.7e-4, times 2.7.
 #[test]
 fn crossval_solvers_recordings_are_of_these_programs() {
     let simbody = simbody();

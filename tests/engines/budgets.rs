@@ -1,4 +1,4 @@
-//! Counts that may only fall: lines, what is compiled and linked for the tests, and doc comments without a subject.
+//! Counts with limits: lines, compiled and linked units of the tests, and doc comments without a subject.
 
 use std::path::{Path, PathBuf};
 
@@ -12,14 +12,14 @@ const CODE: usize = 68_383;
 const TESTS: usize = 41_036;
 /// Packages of the workspace.
 const PACKAGES: usize = 19;
-/// Programs that `cargo test` links: those of tests, and a library once more for each crate with tests inside.
+/// Programs linked by `cargo test`: those of tests, and a library once more for each crate with tests inside.
 const PROGRAMS: usize = 22;
-/// Doc comments that begin with a word that stands for another sentence. All are help texts, which clap takes from comments.
+/// Doc comments that begin with a word for another sentence. All are help texts, which clap takes from comments.
 const NAMELESS: usize = 4;
-/// Doc comments that begin with a word that may name no subject.
+/// Doc comments that begin with an adverb, which may omit the subject.
 const ADVERBIAL: usize = 110;
 
-/// Names of the folders of crates that fulfil a condition.
+/// Returns the names of the folders of crates that fulfil a condition.
 fn crates(holds: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(repository("crates")).expect("crates");
     let places = entries.map(|entry| entry.expect("an entry").path());
@@ -34,7 +34,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Lines without blanks and comments: of the code, and of the tests inside of it.
+/// Returns lines without blanks and comments: of the code, and of the tests inside.
 fn lines(file: &Path) -> [usize; 2] {
     let text = std::fs::read_to_string(file).expect("text");
     let marks = ["mod tests {", "pub(crate) mod tests {"];
@@ -58,7 +58,7 @@ fn manifest(place: &Path) -> toml::Table {
     text.parse().expect("TOML")
 }
 
-/// Programs that the tests of a package are linked to.
+/// Returns the number of programs for the tests of a package.
 fn programs(place: &Path) -> usize {
     let manifest = manifest(place);
     let listed = manifest.get("test").and_then(toml::Value::as_array);
@@ -77,7 +77,7 @@ fn programs(place: &Path) -> usize {
     listed.map_or_else(|| own.count(), Vec::len) + usize::from(is_library && library != Some(false))
 }
 
-/// Doc comments of the crates that begin with one of some words.
+/// Returns doc comments of the crates that begin with one of some words.
 fn beginning(words: &[&str]) -> Vec<String> {
     let mut list = Vec::new();
     for file in crates(|_| true)

@@ -1,4 +1,4 @@
-//! Every engine beside every other on the presets, live and recorded, against the table of limits.
+//! Comparison of every pair of engines on the presets, live and recorded, with the table of limits.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
@@ -15,7 +15,7 @@ use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::{View, rows_at};
 use table::{Limit, TABLE};
 
-/// One engine's run of a preset.
+/// Run of a preset by one engine.
 struct Ran {
     name: String,
     track: SharedModel,
@@ -33,7 +33,7 @@ fn ran(engine: &dyn Engine, scene: &CheckedScene) -> Ran {
     }
 }
 
-/// What two engines are compared on; `None` where they must not be.
+/// Returns the shared model of two engines for the table; `None` if they must not be compared.
 fn track_of(a: &Ran, b: &Ran) -> Option<SharedModel> {
     match (a.track, b.track) {
         (a, b) if a == b => Some(a),
@@ -51,12 +51,12 @@ fn suits(friction: Friction, scene: &CheckedScene) -> bool {
 }
 
 fn step_suits(run: &Ran, largest_s: Option<f64>) -> bool {
-    // The mean step of an adaptive run is a quotient: allow for its rounding.
+    // The mean step of an adaptive run is a quotient, so rounding is permitted.
     largest_s.is_none_or(|most| run.step_s > 0.0 && run.step_s <= most * (1.0 + 1e-9))
 }
 
-/// The limit of a pair among rows of one track, window, quantity and metric: of the first row that is about the two; or, of two
-/// foreign engines, as far as both may be from a native run.
+/// Returns the limit of a pair among rows of one track, window, quantity and metric: of the first row for both; or, for two
+/// foreign engines, the sum of both limits to a native run.
 fn limit(rows: &[&Limit], scene: &CheckedScene, a: &Ran, b: &Ran) -> Option<f64> {
     let about = |row: &&&Limit, engine: &Ran, other: &Ran| {
         fits(row.engine, &engine.name)
@@ -82,7 +82,8 @@ fn limit(rows: &[&Limit], scene: &CheckedScene, a: &Ran, b: &Ran) -> Option<f64>
         .or_else(|| foreign.then(|| Some(to_native(a)? + to_native(b)?))?)
 }
 
-/// Holds every pair of runs against the table, in windows of the table's own; how many figures each engine was judged by.
+/// Checks every pair of runs against the table, in windows of the table's own; returns the number of judged figures of each
+/// engine.
 fn hold(preset: &str, scene: &CheckedScene, runs: &[Ran]) -> Vec<usize> {
     let mut judged = vec![0; runs.len()];
     let (parts, _) = windows(&runs[0].time_series, SETTLING_S, &[]);
@@ -91,7 +92,7 @@ fn hold(preset: &str, scene: &CheckedScene, runs: &[Ran]) -> Vec<usize> {
             let Some(track) = track_of(a, b) else {
                 continue;
             };
-            // A recording has fewer samples: both are compared at those.
+            // A recording has fewer samples, at which both are compared.
             let fewer = a.time_series.len().min(b.time_series.len());
             let times = if a.time_series.len() == fewer { a } else { b };
             let at = |run: &Ran| {
@@ -174,19 +175,19 @@ fn crossval_limits_hold_on_paper() {
     holds("paper", &OURS, &[]);
 }
 
-/// At half its step, where the start-up's ringing is as well resolved as at the paper's step without backlash.
+/// At half the step, at which the start-up oscillation is resolved as well as without backlash at the paper's step.
 #[test]
 fn crossval_limits_hold_with_backlash() {
     holds("backlash-0.6", &OURS[..3], &["solver.step_s=5e-6"]);
 }
 
-/// rapier's shared law has explicit friction, and native engines at this step have no limit with friction.
+/// rapier's shared law has explicit friction, and native engines have no limit with friction at this step.
 #[test]
 fn crossval_limits_hold_with_friction() {
     holds("paper-friction", &OURS[3..], &[]);
 }
 
-/// At its own step of 1e-5 s `steel` is resolved by none: its limits are those of its recorded engines' own tests.
+/// No engine resolves `steel` at its step of 1e-5 s: its limits are those of its recorded engines' own tests.
 #[test]
 fn crossval_limits_hold_with_other_pins() {
     holds("eleven-pins", &OURS[..2], &[]);

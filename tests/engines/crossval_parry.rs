@@ -9,14 +9,14 @@ use parry2d_f64::shape::{Polyline, PolylineFlags};
 use pinwheel_contact::{Complex, Epitrochoid, LobeOffset};
 use pinwheel_studies::rng::Rng;
 
-/// Vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
+/// Number of vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
 const VERTICES: usize = 40_000;
 
 /// Measured 2.3e-8 m on the paper's gear, 4 times that for others; an error of the exact point, of
 /// the order of a lobe or of its sign, would be 1e-5 m and more.
 const LIMIT_M: f64 = 1e-7;
 
-/// The curve on which pin centres stand, as parry sees it. Counter-clockwise: inside is solid.
+/// Returns parry's polyline of the pin centres' curve. Counter-clockwise: inside is solid.
 fn polyline(curve: &Epitrochoid) -> Polyline {
     let point = |i: usize| curve.at(TAU * i as f64 / VERTICES as f64).position;
     let vertices = (0..VERTICES)
@@ -28,8 +28,8 @@ fn polyline(curve: &Epitrochoid) -> Polyline {
     Polyline::with_flags(vertices, Some(segments), PolylineFlags::ORIENTED)
 }
 
-/// Largest difference of distance over random positions: half of them within contact and
-/// backlash of the curve, half anywhere in and around the gear.
+/// Returns the largest difference of distance over random positions: half of them within contact and backlash of the curve,
+/// half anywhere in and around the gear.
 fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
     let line = polyline(curve);
     let mut random = Rng::new(7);
@@ -56,7 +56,7 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
             p.im,
             foot.distance
         );
-        // Closer than the polyline to the curve, the side is a matter of the polyline.
+        // Closer to the curve than the polyline, the side depends on the polyline.
         if foot.distance.abs() > LIMIT_M {
             assert_eq!(
                 nearest.is_inside,
@@ -95,7 +95,7 @@ fn crossval_parry_distance_of_other_gears() {
     }
 }
 
-/// A profile of one's own by a Fourier series whose flanks differ, and by points.
+/// User-defined profiles by a Fourier series with unequal flanks, and by points.
 #[test]
 fn crossval_parry_distance_of_own_profiles() {
     for offset in [

@@ -1,6 +1,6 @@
 //! The three rapier engines against the native solver, and against closed forms.
 //!
-//! Limits are measured figures times a margin; each stands beside its measurement.
+//! Limits are measured figures times a margin; each is beside its measurement.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
@@ -67,8 +67,7 @@ fn assert_mean(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str,
     assert!(error < limit, "mean {quantity}: {got} against {wanted}");
 }
 
-/// Measured 5.9e-5, all of it the leapfrog's own error: the same scheme on the reduced equations,
-/// without rapier, has 6.0e-5.
+/// Measured 5.9e-5, the leapfrog's own error: its scheme on the reduced equations, without rapier, has 6.0e-5.
 #[test]
 fn crossval_rapier_shared_law_steady() {
     let scene = scene("paper", &[]);
@@ -95,7 +94,7 @@ fn crossval_rapier_shared_law_transient() {
     let reference = native(&at("2e-6"), "rk4", 2e-6);
     assert_close(&fine, &reference, &BOTH, (0.0, 0.05), 2e-4);
 
-    // Second order: a step twice as long errs four times as much.
+    // Second order: twice the step gives four times the error.
     let coarse = run(SHARED, &at("4e-6"));
     let error = |time_series: &TimeSeries| relative(time_series, &reference, FORCES[0], 0.0, 0.05);
     let ratio = error(&coarse) / error(&fine);
@@ -103,8 +102,8 @@ fn crossval_rapier_shared_law_transient() {
     assert!((3.8..4.2).contains(&ratio), "{ratio}");
 }
 
-/// Other numbers of pins, holes and discs, and play. Measured 2e-5 to 9e-5 at 2e-6 s,
-/// 3e-4 with play, where every pin comes into contact with a knock.
+/// Other numbers of pins, holes and discs, and play. Measured 2e-5 to 9e-5 at 2e-6 s, 3e-4 with play, where every pin comes
+/// into contact with an impact.
 #[test]
 fn crossval_rapier_shared_law_other_gears() {
     for (preset, limit) in [
@@ -123,7 +122,8 @@ fn crossval_rapier_shared_law_other_gears() {
     }
 }
 
-/// Sleeves that rub on their pins and seals of the shafts, with discs that are held and that float: the driver pays for both.
+/// Sleeves with friction on their pins and seals of the shafts, with rigidly supported and floating discs: the driver
+/// supplies both losses.
 #[test]
 fn crossval_rapier_losses_beside_contacts() {
     let rubs = [
@@ -151,8 +151,7 @@ fn crossval_rapier_losses_beside_contacts() {
     }
 }
 
-/// From static equilibrium there is no start-up transient, so 1e-5 s does from the first
-/// sample on: measured 2.4e-5.
+/// From static equilibrium there is no start-up transient, so 1e-5 s suffices from the first sample on: measured 2.4e-5.
 #[test]
 fn crossval_rapier_from_equilibrium() {
     let settings = [
@@ -167,8 +166,7 @@ fn crossval_rapier_from_equilibrium() {
     }
 }
 
-/// Every law reaches rapier both ways, the conservative one with its force along the profile.
-/// Measured 6e-6 to 7.2e-5.
+/// Every law reaches rapier in both ways, the conservative one with its force along the profile. Measured 6e-6 to 7.2e-5.
 #[test]
 fn crossval_rapier_other_laws() {
     for law in ["paper-conservative", "constant", "lankarani-nikravesh"] {
@@ -188,8 +186,8 @@ fn crossval_rapier_other_laws() {
     }
 }
 
-/// Without friction rapier's contact solver must hand our normal force on unchanged: what is left
-/// is the time step's error, as in the shared law.
+/// Without friction rapier's contact solver must pass the native normal force unchanged: the error is that of the time
+/// step, as in the shared law.
 #[test]
 fn crossval_rapier_hook_without_friction() {
     let scene = scene("paper", &[("solver.duration_s", "0.35")]);
@@ -200,10 +198,9 @@ fn crossval_rapier_hook_without_friction() {
     assert_close(&time_series, &shared, &BOTH, (0.0, 0.35), 2e-4);
 }
 
-/// Implicit Coulomb friction against a native run that resolves the scene's friction, within 2e-3.
-/// Steady, 1e-5 s: measured 1.3e-3 in the driver torque, 1.2e-3 and 4.4e-4 in the forces; the creep below
-/// the ramp speed, which Coulomb has not, is most of it. Start-up, 2e-6 s: 1.5e-3 in the driver torque, 9.8e-4 in
-/// the output's, 6.4e-4 in the forces.
+/// Implicit Coulomb friction against a native run that resolves the scene's friction, within 2e-3. Steady, 1e-5 s: measured
+/// 1.3e-3 in the driver torque, 1.2e-3 and 4.4e-4 in the forces, mostly the creep below the ramp speed, which Coulomb
+/// friction lacks. Start-up, 2e-6 s: 1.5e-3 in the driver torque, 9.8e-4 in the output's, 6.4e-4 in the forces.
 ///
 /// At 1e-5 s the start-up has 9.3e-4 in the forces and 2.5e-3 in the driver torque: contacts begin to stick or
 /// slide up to a step late, and each such sample is up to 0.05 N m off (5e-6 s: 2.1e-3).
@@ -223,8 +220,8 @@ fn crossval_rapier_hook_with_friction() {
     assert_close(&fine, &reference, &BOTH, (0.0, 0.05), 2e-3);
 }
 
-/// Light pins make friction fifty times stiffer: a native run at 2e-7 s is 6 % off in the
-/// driver torque there, one at 2e-8 s is not. The hook at 1e-5 s: measured 9.1e-4 over 0.05 s.
+/// Light pins make friction fifty times stiffer: a native run at 2e-7 s has an error of 6 % in the driver torque, one at
+/// 2e-8 s has none. The hook at 1e-5 s: measured 9.1e-4 over 0.05 s.
 #[test]
 fn crossval_rapier_hook_with_light_sleeves() {
     let settings = [
@@ -325,7 +322,7 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         .supports(&scene.clone().check().unwrap())
     {
         Err(Halt::Ended(Ending::Unsupported { reason })) => {
-            // The run refuses in the same words.
+            // The run refuses with equal text.
             let ending = attempt(engine, scene).ending;
             assert_eq!(ending, Ending::unsupported(&reason));
             reason
@@ -341,7 +338,7 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         friction.contact.friction_law = FrictionLaw::Adams;
         friction.solver.integrator = "auto".to_owned();
         assert!(reason(engine, &friction).contains("contact.friction_law"));
-        // Losses that are no contact's.
+        // Losses outside the contacts.
         let friction = ("bearings.sleeve_friction_coefficient", "0.05");
         for sets in [
             &[("bearings.input_seal_n_m", "0.1")][..],
@@ -398,8 +395,8 @@ fn crossval_rapier_stops_when_asked() {
     }
 }
 
-/// Channels of rapier's bodies against the native run: bearing forces from its accelerations, pairs
-/// from its states; what it does not know is missing and noted.
+/// Channels of rapier's bodies against the native run: bearing forces from its accelerations, pairs from its states;
+/// unavailable ones are missing and noted.
 #[test]
 fn channels_agree_or_are_missing() {
     let scene = scene(
@@ -414,7 +411,7 @@ fn channels_agree_or_are_missing() {
     for (engine, pairs) in [(SHARED, true), (HOOK, true), (COLLIDERS, false)] {
         let mut scene = scene.clone();
         if !pairs {
-            // Its spring is another law, so our equilibrium is none of its.
+            // Its spring is another law, with another equilibrium.
             scene.drive.start = Start::Kinematic;
             scene.solver.duration_s = 0.002;
         }
@@ -495,7 +492,7 @@ fn crossval_rapier_deviations() {
     }
 }
 
-/// rapier's own collisions see the same deviations: its mean forces move as the native solver's do.
+/// rapier's own collisions include the deviations: its mean forces change like the native solver's.
 #[test]
 fn crossval_rapier_colliders_deviations() {
     for preset in ["modified", "toleranced"] {

@@ -1,6 +1,6 @@
-//! Checks of every crate that is built in: its origin, its licence, and no version beside another but those that
-//! `deny.toml` names. `cargo deny check` reads the same file and looks for advisories too; this needs no tool. And our own
-//! version, which stands the same everywhere.
+//! Checks of every built-in crate: origin, licence, and no duplicate versions except those in `deny.toml`. `cargo deny
+//! check` reads the same file and also checks advisories; these checks need no tool. Also the version of this project,
+//! which must be equal everywhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -8,7 +8,7 @@ use std::process::Command;
 use pinwheel_tests::repository;
 use toml::Table;
 
-/// A crate that is built in.
+/// Built-in crate.
 struct Package {
     name: String,
     version: String,
@@ -17,7 +17,7 @@ struct Package {
     licence: String,
 }
 
-/// Returns the lines of `cargo tree` on a build, a crate a line in the given format; its complaint if it fails.
+/// Returns the lines of `cargo tree` on a build, a crate a line in the given format; its message if it fails.
 fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut command = Command::new(&cargo);
@@ -35,7 +35,7 @@ fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
     Ok(lines.map(str::to_owned).collect())
 }
 
-/// Returns the packages of a build on this kind of machine, with all features where their crates are at hand.
+/// Returns the packages of a build on this kind of machine, with all features whose crates are available.
 fn packages() -> Vec<Package> {
     let of = |features| tree(&["--workspace", features], "{p}|{l}");
     let lines = of("--all-features").or_else(|_| of("--offline"));
@@ -43,7 +43,7 @@ fn packages() -> Vec<Package> {
     lines.iter().filter_map(|line| package(line)).collect()
 }
 
-/// The wheel holds the program inside of the module: no package is compiled twice, with other features.
+/// The wheel has the program inside the module: no package is compiled twice, with other features.
 #[test]
 fn nothing_of_the_wheel_is_compiled_twice() {
     let lines = tree(&["-p", "pinwheel-python"], "{p}|{f}");
@@ -57,7 +57,7 @@ fn nothing_of_the_wheel_is_compiled_twice() {
     assert!(is_there("pinwheel-cli v") && is_there("pinwheel-engines v"));
 }
 
-/// `name v1.2.3 (where from)|licence`; a folder and `proc-macro` stand in brackets too.
+/// Parses `name v1.2.3 (where from)|licence`; a folder and `proc-macro` are in brackets too.
 fn package(line: &str) -> Option<Package> {
     let (what, licence) = line.split_once('|')?;
     let mut words = what.splitn(3, ' ');
@@ -72,7 +72,7 @@ fn package(line: &str) -> Option<Package> {
     })
 }
 
-/// Returns true if the allowed licences satisfy an SPDX expression (or the older `A/B`).
+/// True if the allowed licences satisfy an SPDX expression (or the older `A/B`).
 fn satisfied(expression: &str, allowed: &dyn Fn(&str) -> bool) -> bool {
     let spaced = expression
         .replace('(', " ( ")
@@ -207,7 +207,7 @@ fn licences_are_read_as_they_are_meant() {
     }
 }
 
-/// `cargo run` is how a newcomer begins; it fails where several packages have programs and none is the one to run.
+/// `cargo run` is the first command of a newcomer; it fails if several packages have programs and none is the default.
 #[test]
 fn regress_cargo_run_is_the_program() {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
@@ -264,13 +264,13 @@ fn the_version_moves_everywhere_at_once() {
     assert_eq!(version(&["9.8.7", "2031-02-03"]).as_deref(), Some("9.8.7"));
     assert!(text("CITATION.cff").contains("version: 9.8.7\ndate-released: 2031-02-03\n"));
     assert!(text("CHANGELOG.md").contains("## Unreleased\n\n## 9.8.7 (2031-02-03)\n"));
-    // The check reports a version that stays behind.
+    // The check reports an outdated version.
     let project = text("python/pyproject.toml").replace("\"9.8.7\"", "\"9.8.6\"");
     std::fs::write(folder.path().join("python/pyproject.toml"), project).unwrap();
     assert_eq!(version(&[]), None);
 }
 
-/// A workflow runs what was looked at when it was written: actions by commit, tools by version and hash, and audits every lock.
+/// A workflow uses only fixed versions: actions by commit, tools by version and hash; and it audits every lock file.
 #[test]
 fn regress_workflows_run_nothing_that_may_change_under_them() {
     let folder = repository(".github/workflows");

@@ -1,4 +1,4 @@
-//! Hard cases: methods that must survive them do, methods that cannot say so loudly.
+//! Hard cases: suitable methods succeed, the others fail with an error.
 
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
@@ -18,9 +18,9 @@ fn relative(found: &TimeSeries, reference: &TimeSeries, names: &[&str]) -> f64 {
     runs::relative(found, reference, names, (0.0, f64::INFINITY))
 }
 
-/// Every hard preset ends in both forms with forces a gear of this load can have, or with an error that says
-/// when and what. Largest force measured among those that end: 2.1 kN (`hard-all-open`, where the
-/// discs fall through their whole play); ten times that is no gear any more.
+/// Every hard preset ends in both forms with plausible forces for its load, or with an error that states time and quantity.
+/// Largest force measured among those that end: 2.1 kN (`hard-all-open`, where the discs fall through their full play); ten
+/// times that is implausible.
 #[test]
 fn hard_presets_run_or_say_why() {
     let hard: Vec<&str> = PRESETS
@@ -30,7 +30,7 @@ fn hard_presets_run_or_say_why() {
         .collect();
     assert!(hard.len() > 20);
     for name in hard {
-        // The long run has a test of its own below.
+        // The long run has its own test below.
         let limit = [("solver.duration_s", "0.01")];
         for engine in ["native-reduced", "native-lagrange"] {
             let run = attempt(engine, &scene(name, &limit));
@@ -67,8 +67,8 @@ fn hard_presets_run_or_say_why() {
     }
 }
 
-/// Constraint drift of the Lagrange form over 10 s, a million steps, stays below 1e-12 m, and its output angle is
-/// the reduced form's.
+/// Constraint drift of the Lagrange form over 10 s, a million steps, stays below 1e-12 m, and its output angle equals that
+/// of the reduced form.
 #[test]
 fn hard_lagrange_form_does_not_drift_over_ten_seconds() {
     let scene = scene(
@@ -91,8 +91,8 @@ fn hard_lagrange_form_does_not_drift_over_ten_seconds() {
     assert!(off < 1e-12 && forces < 1e-7, "{off:e} {forces:e}");
 }
 
-/// Implicit friction at the paper's step: forces within 1.2e-3 and driver torque within 5e-3 of a run that
-/// resolves the friction, falling at least with the power 1.4 of the step (measured 1.14e-3, 4.9e-3 and 1.51); explicit Heun has 8.9e-3
+/// Implicit friction at the paper's step: forces within 1.2e-3 and driver torque within 5e-3 of a run that resolves the
+/// friction, falling at least with the power 1.4 of the step (measured 1.14e-3, 4.9e-3 and 1.51); explicit Heun has 8.9e-3
 /// and 3.4e-2 there.
 #[test]
 fn hard_friction_at_the_papers_step() {
@@ -121,8 +121,8 @@ fn hard_friction_at_the_papers_step() {
     assert!(explicit.1 > 3.0 * coarse.1, "{explicit:?}");
 }
 
-/// Steel: Dormand-Prince stays stable and within 1e-2 in the transient, at fewer evaluations than Heun
-/// at 2e-6 s, where that is just stable (measured 2.1e-4 in 37 000; Heun is 47 % off in 50 000).
+/// Steel: Dormand-Prince stays stable and within 1e-2 in the transient, with fewer evaluations than Heun at 2e-6 s, near
+/// its stability limit (measured 2.1e-4 in 37 000; Heun has an error of 47 % in 50 000).
 #[test]
 fn hard_steel_by_an_adaptive_method() {
     let at = |integrator: &str, step: &str, tolerance: &str| {
@@ -147,9 +147,9 @@ fn hard_steel_by_an_adaptive_method() {
     assert!(adaptive.stats.rhs_calls < heun.stats.rhs_calls);
 }
 
-/// Friction on pins of 1e-11 kg m^2: explicit methods let spins jump while the forces look right (Heun: 1e-2
-/// off). The energy account gives them away: 36 times the energy turned over (RK4), 130 times (Heun), where every right
-/// run of any preset stays below 0.16.
+/// Friction on pins of 1e-11 kg m^2: with explicit methods spins jump while the forces look plausible (Heun: 1e-2 off). The
+/// energy balance shows it: 36 times the converted energy (RK4), 130 times (Heun); for every correct run of any preset it
+/// stays below 0.16.
 #[test]
 fn hard_explicit_friction_on_feathers_fails_loudly() {
     for integrator in ["rk2", "rk4"] {
@@ -176,13 +176,13 @@ struct Served {
     scene: &'static str,
     /// Method at 1e-5 s, or at the scene's tolerance if it takes one.
     by: &'static str,
-    /// Largest relative L2 error of the forces over the first 0.01 s: 1.5 times what was measured. Nothing is judged
-    /// where nothing carries force.
+    /// Largest relative L2 error of the forces over the first 0.01 s: 1.5 times the measured one. Not judged without
+    /// forces.
     bound: f64,
 }
 
-/// One row a hard preset. What `auto` begins with is `etd-adams` without friction, `rodas5p` with it, RK4 for points; it
-/// promises 1e-3.
+/// One row a hard preset. The first choice of `auto` is `etd-adams` without friction, `rodas5p` with it, RK4 for points;
+/// its target is 1e-3.
 #[rustfmt::skip]
 const SERVED: &[Served] = &[
     Served { scene: "hard-adhesive", by: "auto", bound: 3.7e-6 },
@@ -224,8 +224,8 @@ const SERVED: &[Served] = &[
     Served { scene: "hard-zero-load-friction", by: "auto", bound: 0.0 },
 ];
 
-/// Every hard preset is given by a method within a stated bound of a converged run (`dopri5` at 1e-9; with
-/// friction `imex2` at 2.5e-7 s; with points RK4 at 5e-7 s).
+/// A method solves every hard preset within a stated bound of a converged run (`dopri5` at 1e-9; with friction `imex2` at
+/// 2.5e-7 s; with points RK4 at 5e-7 s).
 #[test]
 fn hard_presets_are_served_within_their_bounds() {
     let hard = PRESETS.iter().map(|preset| preset.name);
@@ -260,7 +260,7 @@ fn hard_presets_are_served_within_their_bounds() {
             all.fold(0.0, |most: f64, &force| most.max(force))
         };
         if forces(&converged) < 1e-9 {
-            // Nothing but rounding, in both: no load, no gap, no force.
+            // Only rounding, in both: no load, no gap, no force.
             println!("{}: no forces, {:.1e} N", row.scene, forces(&found));
             assert!(forces(&found) < 1e-9, "{}", row.scene);
             continue;

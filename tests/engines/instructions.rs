@@ -1,8 +1,8 @@
-//! Instructions of a run, an evaluation, balances, and of writing and reading time series, against accepted counts.
+//! Instruction counts of a run, an evaluation, balances, and of writing and reading time series, against accepted counts.
 //!
-//! Times depend on the machine and on what else it does. Instructions of our own code hardly do: callgrind counts them on a
-//! processor of its own, which has AVX2 and never AVX-512. Libraries of the system are left out. Where a change of counts is
-//! meant, this renews them:
+//! Times depend on the machine and its load. Instructions of this project's code hardly do: callgrind counts them on its
+//! own processor, which has AVX2 and never AVX-512, without system libraries. After an intended change of counts, this
+//! renews them:
 //!
 //! ```text
 //! PINWHEEL_RENEW_COUNTS=1 cargo test --features crossval --test engines instructions
@@ -19,14 +19,14 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_tests::repository;
 use pinwheel_timeseries::TimeSeries;
 
-/// Accepted instructions of one unit of each piece of work.
+/// File with the accepted instructions of one unit of each piece of work.
 const COUNTS: &str = "tests/data/instructions.toml";
-/// Change of a count that fails, up or down: two runs differ by 1e-5, a build of the same sources by nothing.
+/// Largest relative change of a count, up or down: two runs differ by 1e-5, builds of equal sources not at all.
 const MOST: f64 = 0.01;
-/// Units of a piece of work.
+/// Number of units of a piece of work.
 const EVALUATIONS: u32 = 1000;
 const BALANCES: u32 = 60;
-/// What is counted, piece after piece, with the units of each.
+/// Pieces of work in order, with the number of units of each.
 const WORK: [(&str, u32); 7] = [
     ("run", 1),
     ("write", 1),
@@ -36,7 +36,7 @@ const WORK: [(&str, u32); 7] = [
     ("balance_floating", BALANCES),
     ("balance_on_cranks", BALANCES),
 ];
-/// Variable with the number of pieces to be done.
+/// Variable with the number of pieces to run.
 const PIECES: &str = "PINWHEEL_PIECES";
 
 fn balances(statics: &mut Statics<'_>) {
@@ -87,7 +87,7 @@ fn the_work() {
     }
 }
 
-/// Instructions in a file of callgrind that the code of one program took itself.
+/// Returns the instructions of one program's own code in a file of callgrind.
 fn own(text: &str, program: &Path) -> f64 {
     let mut names = BTreeMap::new();
     let (mut is_own, mut of_callee, mut sum) = (false, false, 0.0);
@@ -117,7 +117,7 @@ fn own(text: &str, program: &Path) -> f64 {
     sum
 }
 
-/// Instructions of the first so many pieces of work and of what they are given; `Err`: why they cannot be counted here.
+/// Returns the instructions of the first pieces of work with their preparation; `Err`: the reason for a missing count.
 fn counted_until(pieces: usize) -> Result<f64, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("counts");
@@ -150,7 +150,7 @@ fn counted_until(pieces: usize) -> Result<f64, String> {
     ))
 }
 
-/// Instructions of one unit of each piece of work.
+/// Returns the instructions of one unit of each piece of work.
 fn counted() -> Result<BTreeMap<String, f64>, String> {
     let mut before = counted_until(0)?;
     let each = WORK.iter().enumerate().map(|(k, (name, units))| {

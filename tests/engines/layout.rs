@@ -1,4 +1,4 @@
-//! Layers of the house, as docs/architecture.md states them: which crate uses which, and what a layer leaves to another.
+//! Layers of docs/architecture.md: permitted dependencies of each crate, and words reserved for one file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use pinwheel_tests::repository;
 
 use crate::loops::{code, sources};
 
-/// Crates in the direction in which data goes: each uses earlier ones alone.
+/// Crates in the direction of data: each uses only earlier ones.
 const ORDER: [&str; 16] = [
     "faults",
     "files",
@@ -26,7 +26,7 @@ const ORDER: [&str; 16] = [
     "python",
 ];
 
-/// Words that no source of some crates holds but one file, and why.
+/// Crates, words that their sources must not contain, the only file that may, and the reason.
 const LEFT_TO_OTHERS: [(&[&str], &[&str], &str, &str); 3] = [
     (
         &["scene"],
@@ -53,7 +53,7 @@ const LEFT_TO_OTHERS: [(&[&str], &[&str], &str, &str); 3] = [
     ),
 ];
 
-/// Crates of this repository among a crate's dependencies.
+/// Returns the crates of this repository among a crate's dependencies.
 fn used(name: &str) -> Vec<String> {
     let manifest = repository("crates").join(name).join("Cargo.toml");
     let text = std::fs::read_to_string(manifest).expect("a manifest");
@@ -65,7 +65,7 @@ fn used(name: &str) -> Vec<String> {
         .collect()
 }
 
-/// Sources of a crate that hold a word as a word of its own.
+/// Returns the sources of a crate that contain a separate word.
 fn holding(name: &str, word: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
     sources(&repository("crates").join(name).join("src"), &mut files);
@@ -104,6 +104,6 @@ fn regress_layers_leave_to_others_what_is_theirs() {
             }
         }
     }
-    // A word that no file holds any more forbids nothing.
+    // A word in no file would forbid nothing.
     assert_eq!(holding("engines", "Native::new").len(), 1);
 }

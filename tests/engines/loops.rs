@@ -1,11 +1,11 @@
-//! Modules of a crate import each other without loops: each file can be read after the files that it imports.
+//! Modules of a crate import each other without loops: each file can be read after its imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use pinwheel_tests::repository;
 
-/// A module's path below its crate; the root's is empty.
+/// Path of a module below its crate; the root's is empty.
 type Module = Vec<String>;
 
 /// Collects the Rust files below a folder.
@@ -20,7 +20,7 @@ pub(crate) fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Text of a file without comments and without the module of its tests.
+/// Returns the text of a file without comments and its test module.
 pub(crate) fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(path).expect("text");
     let lines = text.lines().map(|line| line.split("//").next());
@@ -86,7 +86,7 @@ fn named(code: &str) -> Vec<(bool, String)> {
     named
 }
 
-/// The module that a path of `own` leads to, if it is another one of the crate.
+/// Returns the module of a path in `own`, if it is another one of the crate.
 fn target<'a>(
     own: &Module,
     path: &str,
@@ -125,7 +125,7 @@ fn target<'a>(
     (module != own).then_some(module)
 }
 
-/// The shortest chain of imports from a module back to itself.
+/// Returns the shortest chain of imports from a module back to itself.
 fn chain(from: &Module, imports: &BTreeMap<Module, BTreeSet<Module>>) -> Option<Vec<Module>> {
     let mut chains = vec![vec![from.clone()]];
     let mut known = BTreeSet::new();
@@ -147,7 +147,7 @@ fn chain(from: &Module, imports: &BTreeMap<Module, BTreeSet<Module>>) -> Option<
     None
 }
 
-/// Loops of imports in a crate's folder of sources, a line each.
+/// Returns the loops of imports in a source folder, a line each.
 fn loops(folder: &Path) -> BTreeSet<String> {
     let mut files = Vec::new();
     sources(folder, &mut files);
@@ -177,7 +177,7 @@ fn loops(folder: &Path) -> BTreeSet<String> {
         let mut targets = BTreeSet::new();
         for (is_public, path) in named(&code(file)) {
             let to = target(module, &path, &modules);
-            // A parent that shows a part of its child does not use it.
+            // A re-export of a child is no use of it.
             targets.extend(
                 to.filter(|to| !(is_public && to.starts_with(module)))
                     .cloned(),
@@ -213,7 +213,7 @@ fn regress_no_file_imports_itself_through_others() {
     assert!(all.is_empty(), "{all:#?}");
 }
 
-/// Each kind of import is an edge, and a child that its parent shows is none.
+/// Each kind of import is an edge, except a re-export of a child.
 #[test]
 fn loops_of_imports_are_named() {
     let of = |first: &str, second: &str| {

@@ -1,7 +1,6 @@
-//! Gears of one's own, as a user writes them: at most 15 lines and no `[solver]`. Each is compared at the first try.
+//! Users' gears of at most 15 lines without `[solver]`, compared at the first attempt.
 //!
-//! Only the beginning of each run is taken here, and the engines that every build has; docs/verdicts.md shows the whole runs in
-//! all engines.
+//! Only the beginning of each run, and the engines of every build; docs/verdicts.md has the complete runs in all engines.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,7 +11,7 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{self, Effort, Input};
 use pinwheel_studies::{Control, choice};
 
-/// Share of its run that is taken of each gear.
+/// Share of each gear's run.
 const BEGINNING: f64 = 0.02;
 
 fn gears() -> Vec<PathBuf> {
@@ -23,7 +22,7 @@ fn gears() -> Vec<PathBuf> {
     found
 }
 
-/// No gear is refused, no engine of ours fails, no two differ, and what is not sharp says why.
+/// No gear is refused, no native engine fails, no two differ, and inconclusive verdicts have a reason.
 #[test]
 fn hard_own_gears_are_compared_at_the_first_try() {
     let gears = gears();
@@ -40,7 +39,7 @@ fn hard_own_gears_are_compared_at_the_first_try() {
         let short = Override::new("solver.duration_s", duration_s.to_string());
         let scene = Scene::load(path, &[short]).unwrap();
         if scene.contact.friction_coefficient > 0.0 {
-            // rapier's explicit steps take minutes to follow it.
+            // rapier's explicit steps take minutes here.
             continue;
         }
         let engines = choice::engines(
@@ -79,7 +78,7 @@ fn hard_own_gears_are_compared_at_the_first_try() {
             for entry in &pair.entries {
                 let found = &entry.result;
                 match found.verdict {
-                    // Twice the resolution where no order was confirmed.
+                    // Twice the resolution without a confirmed order.
                     Verdict::Agree => {
                         assert!(
                             found.bound.unwrap() <= 2.0 * RESOLUTION,

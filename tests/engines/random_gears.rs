@@ -1,6 +1,6 @@
-//! `auto` on gears that nobody tuned it to: no run that calls itself resolved may be wrong.
+//! `auto` on untuned gears: no run reported as resolved may be wrong.
 //!
-//! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others, `PINWHEEL_RUBBING=1` only those with
+//! `PINWHEEL_GEARS=1000` judges that number, `PINWHEEL_GEARS=300..900` others, `PINWHEEL_RUBBING=1` only those with
 //! friction. The weekly workflow judges 300.
 
 #![allow(
@@ -25,11 +25,11 @@ use pinwheel_timeseries::TimeSeries;
 
 use gears::gear;
 
-/// Gears of an ordinary test run.
+/// Number of gears in an ordinary test run.
 const GEARS: u64 = 60;
-/// Evaluations a gear may take: the dearest two per cent end as not resolved.
+/// Largest number of evaluations of a gear: the most expensive two per cent end as not resolved.
 const BUDGET: u64 = 600_000;
-/// An error beyond this many targets is a silent failure.
+/// Error in multiples of the target beyond which a failure is silent.
 const SILENT: f64 = 3.0;
 
 /// Judgement on one gear.
@@ -55,7 +55,7 @@ fn judge(scene: &Scene) -> Outcome {
     };
     match &run.ending {
         Ending::Finished => {}
-        // The test's own budget did not suffice for one run.
+        // The test's budget did not suffice for one run.
         Ending::Diverged { quantity, .. } if quantity.contains("evaluations") => {
             return Outcome::Told(quantity.clone());
         }
@@ -75,7 +75,7 @@ fn judge(scene: &Scene) -> Outcome {
     {
         return Outcome::Judged(uncertainty, off(truth));
     }
-    // Either may be wrong: the second reference tells, if it is one itself.
+    // Either may be wrong: the second reference decides, if converged.
     match (truth, solve(second).map(|found| found.1)) {
         (Some(first), Some(second)) => {
             let apart = gearbox.distance(&first, &second).worst();
@@ -91,7 +91,7 @@ fn judge(scene: &Scene) -> Outcome {
     }
 }
 
-/// Seeds to judge.
+/// Returns the seeds to judge.
 fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("PINWHEEL_GEARS").unwrap_or_default();
     match asked.split_once("..") {
@@ -100,7 +100,7 @@ fn seeds() -> std::ops::Range<u64> {
     }
 }
 
-/// Counts by decade of the stated uncertainty (rows) and of the true error (columns).
+/// Prints counts by decade of the stated uncertainty (rows) and of the true error (columns).
 fn print_histogram(pairs: &[(f64, f64)]) {
     let decade = |x: f64| (x.max(1e-9).log10().floor() as i32).clamp(-9, 0);
     println!("uncertainty \\ true error, decades:");
@@ -119,8 +119,8 @@ fn print_histogram(pairs: &[(f64, f64)]) {
     }
 }
 
-/// No random gear (6 to 60 pins, 1 to 4 discs, backlash, friction, all loads, laws and sizes) is silently wrong:
-/// what calls itself resolved to 1e-3 is within 3e-3 of a reference by another method. See `print_histogram`'s table.
+/// No random gear (6 to 60 pins, 1 to 4 discs, backlash, friction, all loads, laws and sizes) is silently wrong: a run
+/// reported as resolved to 1e-3 is within 3e-3 of a reference by another method. See `print_histogram`'s table.
 #[test]
 fn crossval_no_random_gear_is_silently_wrong() {
     let seeds = seeds();
@@ -180,14 +180,14 @@ fn crossval_no_random_gear_is_silently_wrong() {
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(silent.is_empty(), "{silent:#?}");
-    // Silence would also be never to target, and blindness never to look.
+    // Refusing every gear, or judging none, would hide failures.
     assert!(told * 20 <= total, "{told} of {total} not resolved");
     assert!(open * 50 <= total, "{open} of {total} without a truth");
     assert!(costs[costs.len() / 2] <= 1.75, "{costs:?}");
 }
 
-/// A gear almost at rest, in which a contact begins between two samples: runs at all tolerances take the same steps there and are
-/// wrong alike, 3e-7 off and 4e-10 apart, which was once what they stated.
+/// A gear almost at rest, in which a contact begins between two samples: runs at all tolerances take equal steps there and
+/// have a common error of 3e-7 while they differ by 4e-10. The stated uncertainty must include it.
 #[test]
 fn regress_what_all_runs_miss_alike_is_stated() {
     let scene = gear(726).unwrap();

@@ -1,5 +1,5 @@
-//! Whatever is wrong with what a user gives: one line on stderr that names the place, the key and
-//! the remedy, exit status 2, nothing on stdout, nothing written.
+//! Invalid input of any kind: one line on stderr with the place, the key and the remedy, exit status 2, nothing on stdout,
+//! nothing written.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -13,12 +13,12 @@ fn refusal(outcome: &Outcome, what: &str) -> String {
     let line = outcome.stderr.trim_end_matches('\n');
     assert!(!line.contains('\n'), "{what}: more than one line: {line}");
     assert!(line.starts_with("error: "), "{what}: {line}");
-    // What is wrong; the remedy.
+    // Fault; remedy.
     assert!(line.contains("; "), "{what}: no remedy: {line}");
     line.to_owned()
 }
 
-/// Runs every command that takes a scene on `paper` with these overrides; all refuse alike.
+/// Runs every command for a scene on `paper` with these overrides; all must refuse alike.
 fn refused(sets: &[&str]) -> String {
     let dir = tempfile::tempdir().unwrap();
     let mut lines = ["run", "compare", "explain"].map(|command| {
@@ -51,7 +51,7 @@ fn assert_parts(line: &str, parts: &[&str]) {
     }
 }
 
-/// On GitHub Actions the line of a fault is an annotation too.
+/// On GitHub Actions the line of a fault is also an annotation.
 #[test]
 fn bad_input_is_an_annotation_on_github() {
     let dir = tempfile::tempdir().unwrap();
@@ -202,8 +202,8 @@ fn bad_input_a_million_sleeves() {
     }
 }
 
-/// The refusal comes before anything is allocated: 300 MB of address space are enough for it, while
-/// one column of time series for each of a million pins would take 48 GB.
+/// The refusal comes before any allocation: it needs less than 300 MB of address space, and one column of time series for
+/// each of a million pins would take 48 GB.
 #[cfg(target_os = "linux")]
 #[test]
 fn bad_input_a_million_sleeves_allocates_nothing() {
@@ -307,7 +307,7 @@ fn bad_input_output_folder_of_somebody_else() {
     assert_eq!(names_in(&out), ["chapter.tex"]);
 }
 
-/// A folder that cannot be written is noticed before the run, not after it.
+/// A folder that cannot be written is an error before the run.
 #[test]
 fn bad_input_output_below_a_file() {
     let dir = tempfile::tempdir().unwrap();
@@ -319,7 +319,7 @@ fn bad_input_output_below_a_file() {
     assert_parts(&line, &["cannot be written", "another --out"]);
 }
 
-/// What people type where a number is asked for, and data that do not go together.
+/// Texts typed for numbers, and inconsistent data.
 #[test]
 fn bad_input_of_init() {
     let dir = tempfile::tempdir().unwrap();

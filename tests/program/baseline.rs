@@ -1,10 +1,10 @@
-//! `pinwheel baseline` as users meet it: what it writes, what it refuses, how it ends.
+//! `pinwheel baseline` in use: files, refusals, endings.
 
 use std::path::{Path, PathBuf};
 
 use pinwheel_tests::{names_in, repository, run_in};
 
-/// A folder of baselines that holds a copy of the accepted one.
+/// Returns a folder of baselines with a copy of the accepted one.
 fn copied(base: &Path) -> PathBuf {
     let from = repository("reference/baselines/accepted");
     let to = base.join("baselines/accepted");
@@ -39,7 +39,7 @@ fn a_check_writes_its_page_and_judges() {
         ["index.html", "summary.json"]
     );
 
-    // An accepted run that needed a step less: now one more is worse.
+    // An accepted run with one step less makes the present one worse.
     let file = accepted.join("baseline.toml");
     let text = std::fs::read_to_string(&file).unwrap();
     let tampered = text.replacen("right_hand_sides = 4000", "right_hand_sides = 3998", 1);
@@ -50,7 +50,7 @@ fn a_check_writes_its_page_and_judges() {
     let first = "accepted: 1 worse: paper by reduced-rk2";
     assert!(worse.stdout.starts_with(first), "{}", worse.stdout);
 
-    // One case that nobody recorded, and eleven that are compared.
+    // One unrecorded case, and eleven compared ones.
     let case = text.find("[[scene.case]]").unwrap();
     let next = case + 1 + text[case + 1..].find("[[scene.case]]").unwrap();
     std::fs::write(&file, format!("{}{}", &text[..case], &text[next..])).unwrap();

@@ -1,4 +1,4 @@
-//! `pinwheel bench` as a user meets it.
+//! `pinwheel bench` in use.
 
 use pinwheel_tests::{names_in, run_in, words};
 use serde_json::Value;
@@ -46,7 +46,7 @@ fn program_bench_writes_page_tables_and_summary() {
             > 0.0
     );
 
-    // The earlier output is ours to replace.
+    // The earlier output may be replaced.
     let again = bench(dir.path(), &words);
     assert_eq!(again.code, Some(0), "{again:?}");
 }

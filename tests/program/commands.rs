@@ -1,4 +1,4 @@
-//! The program as a user meets it: what it writes, how it ends, how it is stopped.
+//! The program in use: files, endings, stops.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -22,7 +22,8 @@ fn done(outcome: Outcome) -> String {
     outcome.stdout
 }
 
-/// It happened: the whole run's figures stood beside "from 0.3 s on". Each has its uncertainty, and a converged run lies within it.
+/// Figures belong to the stated window "from 0.3 s on", not to the complete run. A converged run is within the uncertainty
+/// of each.
 #[test]
 fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
     let dir = tempfile::tempdir().unwrap();
@@ -60,7 +61,7 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
             "{name}: {off} off, {bound} said"
         );
     }
-    // Above 100 % by what the law creates: there is no figure, and the reason.
+    // Above 100 % by the work that the law creates: a reason replaces the figure.
     let mut list = found["figures"].as_array().unwrap().iter();
     let share = list.find(|f| f["key"] == "efficiency").unwrap();
     let why = share["withheld"].as_str().unwrap();
@@ -112,7 +113,7 @@ fn program_run_writes_courses_and_their_record() {
         assert!(!record[key].as_str().unwrap().is_empty(), "{key}");
     }
     assert!(record["machine"]["cores"].as_u64().unwrap() >= 1);
-    // The whole scene stands in the record: read back, it is the one that ran.
+    // The record has the complete scene: read back, it is equal to the one of the run.
     let scene: Scene = serde_json::from_value(record["scene"].clone()).unwrap();
     let set = "solver.duration_s=0.005".parse().unwrap();
     assert_eq!(scene, *Scene::load("paper", &[set]).unwrap());
@@ -202,7 +203,7 @@ fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
     assert!(!time_series.is_empty() && time_series.time_s().iter().all(|&t| t <= diverged_at));
 }
 
-/// An engine that was asked for and cannot run the scene is status 3, and then the summary says no pass.
+/// A named engine that cannot run the scene gives status 3, and the summary does not pass.
 #[test]
 fn program_a_summary_passes_only_with_status_0() {
     for (engines, code) in [("", 0), (",rapier-own-contact-colliders", 3)] {
@@ -223,7 +224,7 @@ fn program_compare_goes_on_when_engines_diverge() {
         args.iter().chain(&[
             "--set",
             "solver.duration_s=0.05",
-            // Asked for, so that it is not refined.
+            // Set explicitly, so not refined.
             "--set",
             "solver.step_s=1e-5",
         ]),
@@ -242,12 +243,12 @@ fn program_compare_goes_on_when_engines_diverge() {
     let summary = json(out.join("summary.json"));
     assert_eq!(summary["engines"][0]["status"]["state"], "diverged");
     assert_eq!(summary["passed"], false);
-    // The page moves a gear whose forces are right all the same.
+    // The page shows a gear in motion with correct forces.
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     assert!(page.contains("by a method that gets through"));
 }
 
-/// What `compare` says of a scene and how it ends: status, the last line but the place of the page, `summary.json`.
+/// Returns the result of `compare` on a scene: status, the last line before the path of the page, `summary.json`.
 fn compared(args: &[&str]) -> (Option<i32>, String, Value) {
     let dir = tempfile::tempdir().unwrap();
     let outcome = run_in(
@@ -258,7 +259,7 @@ fn compared(args: &[&str]) -> (Option<i32>, String, Value) {
     (outcome.code, outcome.stdout, summary)
 }
 
-/// Figures of a comparison of two designs that are judged so, by their keys.
+/// Returns the keys of figures with a verdict in a comparison of two designs.
 fn judged<'a>(summary: &'a Value, word: &str) -> Vec<&'a str> {
     let rows = summary["figures"].as_array().unwrap().iter();
     let so = rows.filter(|row| row["judged"] == word);
@@ -288,7 +289,7 @@ fn program_two_designs_side_by_side() {
         judged(&found, "differ").contains(&"lost_motion_arcmin"),
         "{found:#}"
     );
-    // A disc's pins do not know of the play of the others.
+    // A disc's pins do not depend on the play of the others.
     assert!(
         judged(&found, "below-uncertainty").contains(&"internal_force_n"),
         "{found:#}"
@@ -297,7 +298,7 @@ fn program_two_designs_side_by_side() {
         told.contains("gear.backlash_m") && told.contains("figures differ"),
         "{told}"
     );
-    // Ring pins that sit farther out are found at other depths.
+    // Ring pins farther out have contacts at other depths.
     assert!(told.contains("stage contact search: off by"), "{told}");
     assert_eq!(found["changed"][0]["stage"], "contact-search");
     let wide = told.lines().map(|line| line.chars().count()).max();
@@ -306,7 +307,7 @@ fn program_two_designs_side_by_side() {
         let names = names_in(&dir.path().join("r").join(folder));
         assert!(names.contains(&"courses.csv".to_owned()), "{names:?}");
     }
-    // What `design` says of one alone is what stands here.
+    // The figures equal those of `design` alone.
     let alone = run_in(dir.path(), ["design", "b.toml", "--out", "d"]);
     assert_eq!(alone.code, Some(0), "{alone:?}");
     let alone = json(dir.path().join("d/summary.json"));
@@ -319,7 +320,7 @@ fn program_two_designs_side_by_side() {
         assert_eq!(row["key"], figure["key"]);
         assert_eq!(row["values"][1], figure["value"], "{row}");
     }
-    // The same design twice.
+    // Two equal designs.
     let (told, found) = side_by_side("a.toml", &[]);
     assert_eq!(
         (&found["identical"], &found["changed"]),
@@ -330,7 +331,7 @@ fn program_two_designs_side_by_side() {
     let known = all.filter(|row| row["values"][0].is_number());
     assert_eq!(judged(&found, "same").len(), known.count());
     assert!(told.contains("identical"), "{told}");
-    // A change that is there, and too small to be shown by any figure.
+    // A real change that is too small for any figure.
     design("c.toml", "[contact]\nstiffness_multiplier = 0.0100000001");
     let (told, found) = side_by_side("c.toml", &["--engines", "native-lagrange"]);
     assert_eq!(found["engine"], "native-lagrange");
@@ -343,7 +344,7 @@ fn program_two_designs_side_by_side() {
     assert!(told.contains("No difference was shown"), "{told}");
 }
 
-/// A default limit that is exceeded is words, a stated one is status 1; what is hard to believe is a line.
+/// An exceeded default limit is reported as text, a stated one gives status 1; a doubtful value is a line.
 #[test]
 fn program_design_says_whether_the_gear_bears_its_load() {
     let dir = tempfile::tempdir().unwrap();
@@ -387,7 +388,7 @@ fn program_design_says_whether_the_gear_bears_its_load() {
     );
 }
 
-/// The largest U of what agrees, over all pairs.
+/// Returns the largest U of agreeing entries, over all pairs.
 fn bluntest(summary: &Value) -> f64 {
     let pairs = summary["pairs"].as_array().unwrap();
     let entries = pairs.iter().flat_map(|p| p["entries"].as_array().unwrap());
@@ -397,7 +398,7 @@ fn bluntest(summary: &Value) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A step that is asked for and too coarse: no pass by being blunt.
+/// A stated step that is too coarse: a large uncertainty must not pass.
 #[test]
 fn program_what_is_inconclusive_ends_with_4() {
     let (code, text, summary) = compared(&words(
@@ -409,7 +410,7 @@ fn program_what_is_inconclusive_ends_with_4() {
     assert_eq!(summary["passed"], false);
 }
 
-/// Scenes that nobody measured limits on, and settings that nobody tuned: verdicts are sharp, and none is a false alarm.
+/// Scenes without measured limits and tuned settings: verdicts are resolved, without a false alarm.
 #[test]
 fn program_verdicts_are_sharp_where_nobody_calibrated() {
     let engines = [
@@ -431,7 +432,7 @@ fn program_verdicts_are_sharp_where_nobody_calibrated() {
     }
 }
 
-/// Gears that nobody tuned to, from a dozen lines without a solver: every statement is sharp on the first try.
+/// Untuned gears, from a dozen lines without a solver: every verdict is resolved at the first attempt.
 #[test]
 fn program_own_gears_need_no_settings() {
     for (gear, duration_s) in [
@@ -456,7 +457,7 @@ fn program_own_gears_need_no_settings() {
         assert!(blunt > 0.0 && blunt <= 0.01, "{gear}: {blunt:e}\n{text}");
         let dir = tempfile::tempdir().unwrap();
         let run = done(run_in(dir.path(), ["run", file, "--set", &duration]));
-        // What contact laws leave open stands beside a force, and what numbers leave open once.
+        // The band of contact laws is beside a force, and the numerical error is stated once.
         let told = run.split_whitespace().collect::<Vec<_>>().join(" ");
         for group in ["external forces", "internal forces"] {
             let (_, said) = told.split_once(group).unwrap();
@@ -468,7 +469,7 @@ fn program_own_gears_need_no_settings() {
     }
 }
 
-/// An engine whose time is spent says so: it shows nothing, and neither does a comparison with it alone.
+/// An engine out of time reports it: it proves nothing, and neither does a comparison with it alone.
 #[test]
 fn program_a_spent_budget_is_stated() {
     let (code, text, summary) = compared(&words(
@@ -511,14 +512,14 @@ fn program_replaces_its_own_output_and_with_force_a_changed_one() {
         run_in(dir.path(), args.iter().chain(&SHORT).chain(more))
     };
     done(run(&[]));
-    // An earlier comparison there goes as a whole.
+    // An earlier comparison there is replaced completely.
     let compare = words("compare paper --engines native-reduced,native-resolved --out o");
     done(run_in(dir.path(), compare.iter().chain(&SHORT)));
     assert!(out.join("native-reduced/courses.csv").is_file());
     done(run(&["--set", "name=second"]));
     assert_eq!(names_in(&out), ["courses.csv", "index.html", "run.json"]);
     assert_eq!(json(out.join("run.json"))["scene"]["name"], "second");
-    // A file of ours that was changed stops it, but --force does not mind; one that is not ours stops both.
+    // A changed file of the program stops it unless forced; a foreign file stops both.
     std::fs::write(out.join("run.json"), "mine").unwrap();
     let kept = run(&[]);
     assert_eq!(kept.code, Some(2), "{kept:?}");
@@ -631,7 +632,7 @@ fn program_survives_a_closed_pipe() {
     }
 }
 
-/// A run of a day's length, started in `dir`; returns once it has its unfinished folder there.
+/// Starts a run of a day's length in `dir`; returns when its unfinished folder exists.
 #[cfg(unix)]
 fn endless(dir: &Path, more: &[&str]) -> Child {
     let child = pinwheel()
@@ -680,13 +681,13 @@ fn program_stopped_leaves_nothing() {
     }
 }
 
-/// The engine looks at the flag at its samples; between two far ones only the second signal helps.
+/// The engine checks the flag at its samples; between two distant ones only the second signal has an effect.
 #[cfg(unix)]
 #[test]
 fn program_stopped_twice_ends_at_once_and_leaves_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let mut child = endless(dir.path(), &["--set", "solver.sample_s=10000"]);
-    // Signals of one kind that wait merge into one, so they are repeated until the program is gone.
+    // Pending signals of one kind merge, so they are repeated until the program has ended.
     let code = loop {
         if let Some(status) = child.try_wait().unwrap() {
             break status.code();
@@ -702,7 +703,7 @@ fn program_stopped_twice_ends_at_once_and_leaves_nothing() {
     );
 }
 
-/// The program alone, in a folder where nothing of the project is.
+/// The program alone, in a folder without files of the project.
 #[test]
 fn program_works_from_any_folder() {
     let dir = tempfile::tempdir().unwrap();
@@ -710,7 +711,7 @@ fn program_works_from_any_folder() {
     assert!(explained.contains("Modelled"), "{explained}");
     let listed = done(run_in(dir.path(), ["engines"]));
     assert!(listed.contains("native-reduced"), "{listed}");
-    // Recordings are embedded too; with live engines they are not needed.
+    // Recordings are embedded too; live engines do not need them.
     #[cfg(not(feature = "crossval"))]
     {
         let words = words("compare paper --engines native-reduced,mujoco-own-contact");
@@ -719,7 +720,7 @@ fn program_works_from_any_folder() {
     }
 }
 
-/// Where no terminal says how wide it is, 80 columns.
+/// Without a terminal's width, 80 columns.
 #[test]
 fn program_fits_a_screen() {
     let dir = tempfile::tempdir().unwrap();
@@ -764,7 +765,7 @@ fn program_opens_and_completes() {
     }
 }
 
-/// Pages outlive what they name: links lead to files and headings, commands and their flags are those of this program.
+/// Documents refer to existing items: links lead to files and headings, commands and their flags are those of this program.
 #[test]
 fn program_documents_name_what_is_there() {
     let folders = words(". docs python solvers reference/law-vectors reference/recorded");
@@ -834,7 +835,7 @@ fn program_documents_name_what_is_there() {
     assert!(wrong.is_empty() && commands > 40, "{commands}, {wrong:#?}");
 }
 
-/// Of a run with next to no samples its error is not known, and nothing says that nobody looked.
+/// For a run with nearly no samples the error is unknown, and no text claims a missing check.
 #[test]
 fn a_run_of_few_samples_says_one_thing_of_its_error() {
     let dir = tempfile::tempdir().unwrap();
@@ -849,7 +850,7 @@ fn a_run_of_few_samples_says_one_thing_of_its_error() {
     assert!(!said.contains("made once"), "{said}");
 }
 
-/// Pages and terminals write short names: they are names.
+/// Pages and terminals write short names, which the program accepts.
 #[test]
 fn program_takes_engines_as_its_pages_call_them() {
     let dir = tempfile::tempdir().unwrap();
@@ -870,7 +871,7 @@ fn program_takes_engines_as_its_pages_call_them() {
     assert_eq!(twice.code, Some(2), "{twice:?}");
 }
 
-/// The same words everywhere: `--json` is what is in the folder, `--quiet` where it is, `--verbose` which files there are.
+/// Output options: `--json` shows the content of the folder, `--quiet` its path, `--verbose` its files.
 #[test]
 fn program_speaks_as_it_is_asked() {
     let dir = tempfile::tempdir().unwrap();
@@ -904,7 +905,7 @@ fn program_speaks_as_it_is_asked() {
             coloured.contains("\u{1b}[") && !plain.contains('\u{1b}'),
             "{command}"
         );
-        // How it is told is no part of what was done.
+        // Output options are no part of the record.
         let record = std::fs::read_to_string(dir.path().join("r").join(file)).unwrap();
         assert!(!record.contains("--color"), "{command}");
     }
@@ -916,8 +917,8 @@ fn program_speaks_as_it_is_asked() {
     assert_eq!(both.code, Some(2), "{both:?}");
 }
 
-/// The way of a newcomer: a catalogue, then what each command says next, to figures by fit, drawings and a study of tolerances that
-/// runs at the first try.
+/// First use: a catalogue, then each command that the previous one suggests, to figures by fit, drawings and a study of
+/// tolerances that runs at the first attempt.
 #[test]
 fn program_from_a_catalogue_to_its_tolerances() {
     let dir = tempfile::tempdir().unwrap();
@@ -961,7 +962,7 @@ fn program_from_a_catalogue_to_its_tolerances() {
         .replace("points = 64", "points = 4");
     std::fs::write(&study, text).unwrap();
     assert!(done(run_in(dir.path(), words(commands[1]))).contains("4 finished"));
-    // Nothing of a user's is replaced: neither scene nor study.
+    // Neither scene nor study of the user is replaced.
     std::fs::remove_file(dir.path().join("mine.toml")).unwrap();
     assert_eq!(
         run_in(dir.path(), words(&format!("init mine.toml {catalogue}"))).code,

@@ -1,7 +1,7 @@
-//! Kills at random moments, over all commands that write: nothing torn, nothing lost, and what is left is named.
+//! Kills at random moments, over all commands that write: no torn file, no lost data, and remains are reported.
 //!
-//! `PINWHEEL_KILLS=20` kills every command that often (3), `PINWHEEL_KILLS_SEED` chooses other moments, and
-//! `PINWHEEL_KILLS_ONLY=init` kills that command alone.
+//! `PINWHEEL_KILLS=20` sets the number of kills of every command (3), `PINWHEEL_KILLS_SEED` the moments, and
+//! `PINWHEEL_KILLS_ONLY=init` a single command.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -16,15 +16,15 @@ use pinwheel_tests::{names_in, pinwheel};
 
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
 
-/// A command that writes `out`.
+/// Command that writes `out`.
 struct Writer {
-    /// As typed after `pinwheel`.
+    /// Words after `pinwheel`.
     words: &'static str,
-    /// What it writes, below the folder it works in: a folder or a single file.
+    /// Output below the working folder: a folder or a single file.
     out: &'static str,
-    /// Files of `out` that are the same whenever it is run to its end, by kills and resumes or at once.
+    /// Files of `out` that are equal after every complete run, with kills and resumes or without.
     same: &'static [&'static str],
-    /// What goes on where a kill ended it.
+    /// Command that continues after a kill.
     resume: Option<&'static str>,
 }
 
@@ -104,7 +104,7 @@ const fn writer(words: &'static str, out: &'static str, same: &'static [&'static
 }
 
 impl Writer {
-    /// The same of a command that goes on where it was ended.
+    /// Returns the command with the option to continue.
     const fn resumed(self) -> Self {
         Self {
             resume: Some("--resume"),
@@ -117,8 +117,8 @@ impl Writer {
     }
 }
 
-/// Every file below a folder with its content, or the single file; without the manifest and without drafts, which a kill
-/// leaves.
+/// Returns every file below a folder with its content, or the single file; without the manifest and without drafts, which a
+/// kill leaves.
 fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let (mut files, mut open) = (BTreeMap::new(), vec![folder.to_owned()]);
     if folder.is_file() {
@@ -142,7 +142,7 @@ fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files
 }
 
-/// Inputs of all commands.
+/// Writes the inputs of all commands.
 fn inputs(dir: &Path) {
     fs::write(dir.join("s.toml"), SWEEP).unwrap();
     fs::write(
@@ -160,7 +160,7 @@ fn inputs(dir: &Path) {
     }
 }
 
-/// Drafts below a folder.
+/// Returns the drafts below a folder.
 fn hidden(dir: &Path) -> Vec<PathBuf> {
     let below = |name: String| {
         let path = dir.join(name);
@@ -179,7 +179,7 @@ fn is_hidden(path: &Path) -> bool {
 
 fn start(dir: &Path, words: &[&str]) -> Child {
     let mut command = pinwheel();
-    command.env("SOURCE_DATE_EPOCH", "0"); // units hold the time they were made
+    command.env("SOURCE_DATE_EPOCH", "0"); // units contain the time of their creation
     command
         .current_dir(dir)
         .args(words)
@@ -202,7 +202,7 @@ fn ended(child: &mut Child, seconds: f64) -> ExitStatus {
     }
 }
 
-/// What every output must be: whole, listed by its marker, and its JSON readable.
+/// Checks that an output is complete, listed by its marker, with readable JSON.
 fn assert_whole(writer: &Writer, out: &Path) {
     let what = writer.words;
     let files = content(out);
@@ -237,7 +237,7 @@ fn assert_whole(writer: &Writer, out: &Path) {
     assert!(listed.into_iter().eq(&there), "{what}: its list");
 }
 
-/// Runs a writer once to its end, then kills it again and again; the number of kills that met it alive.
+/// Runs a writer once to its end, then kills it repeatedly; returns the number of kills of a running program.
 fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
@@ -269,7 +269,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
         let signal = SIGNALS[number % 3];
         let mut words = writer.words();
-        // An interrupted sweep wants to be told.
+        // An interrupted sweep needs an option.
         let begun = dir.join("out.unfinished").exists();
         if writer.goes_on(&out) && (begun || number % 2 == 1) {
             words.extend(writer.resume);
@@ -292,18 +292,18 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         let told = format!("{what}: {signal}, {status}, {said}");
         assert!(!said.contains("panicked"), "{told}");
         let by_signal = signal == "KILL" && status.signal() == Some(9);
-        // A signal that comes before the handler stands ends the program as any other.
+        // A signal before the handler is installed ends the program at once.
         let early = status.signal().is_some() && !said.contains("error");
         assert!(
             by_signal || early || [Some(0), Some(1), Some(130)].contains(&status.code()),
             "{told}"
         );
-        // The output is the earlier one or a whole new one.
+        // The output is the earlier one or a complete new one.
         let now = content(&out);
         if now != earlier {
             assert_whole(writer, &out);
         }
-        // Nobody removes what earlier ones left, and a program that ends by itself leaves nothing.
+        // No run removes earlier drafts, and a program that ends by itself leaves none.
         let now = hidden(dir);
         assert!(left.iter().all(|draft| now.contains(draft)), "{told}");
         assert!(
@@ -318,7 +318,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
             );
         }
     }
-    // Once more to its end: the same results, and a command that removes all that was left.
+    // A final run to its end: equal results, and a command that removes all drafts.
     let mut words = writer.words();
     if writer.goes_on(&out) {
         words.extend(writer.resume);
@@ -362,7 +362,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         .collect();
     assert_eq!(names, known, "{what}");
     let mut left = names_in(dir);
-    // A part of a bench or stability study that was stopped stands beside it on purpose, as the tolerances of a gear do.
+    // A part of a stopped bench or stability study stays beside it on purpose, like the tolerances of a gear.
     left.retain(|name| {
         let known = [
             "out",
@@ -378,12 +378,12 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
 }
 
 impl Writer {
-    /// Whether it goes on: a sweep with its journal beside the output, others with what they wrote when they were stopped.
+    /// True if it continues: a sweep with its journal beside the output, others with their output of the stop.
     fn goes_on(&self, out: &Path) -> bool {
         self.resume.is_some() && (self.words()[0] == "sweep" || out.exists())
     }
 
-    /// What stands in the folder of work: what `--out` or `--dir` names, or what that is in.
+    /// Returns the name in the working folder: that of `--out` or `--dir`, or its parent.
     fn words_out(&self) -> &str {
         self.out.split('/').next().unwrap_or(self.out)
     }
@@ -402,7 +402,7 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
         if only.as_ref().is_some_and(|only| writer.words()[0] != only) {
             continue;
         }
-        // Recording the complete set takes many seconds: only where more was asked for.
+        // Recording the complete set takes many seconds, so only on request.
         if writer.words()[..2] == ["baseline", "record"] && kills <= 3 {
             continue;
         }
@@ -419,7 +419,7 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
     assert!(all.0 > 0, "no kill met anything");
 }
 
-/// A limit on the size of files (`ulimit -f`) is an error like a full disk: told in a line, and nothing is left.
+/// A limit on the size of files (`ulimit -f`) is an error like a full disk: a line, and no remains.
 #[test]
 fn regress_a_limit_of_file_sizes_is_an_error() {
     let mut refused = 0;
@@ -451,7 +451,7 @@ fn regress_a_limit_of_file_sizes_is_an_error() {
                     assert_eq!(said.lines().count(), 1, "{told}");
                     let mut left = names_in(dir);
                     let journal = names_in(&dir.join("out.unfinished"));
-                    // Runs that are finished stay for --resume.
+                    // Finished runs stay for --resume.
                     if journal.iter().any(|name| name.starts_with("run-")) {
                         left.retain(|name| name != "out.unfinished");
                     }

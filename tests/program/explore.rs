@@ -1,4 +1,4 @@
-//! The server of `pinwheel explore`: who is answered, what is saved, and that nobody shuts out another.
+//! Server of `pinwheel explore`: access, saved files, and independence of clients.
 
 #![allow(clippy::print_stdout, reason = "measured figures")]
 
@@ -20,7 +20,7 @@ fn explore_says_that_a_port_is_taken() {
     assert!(answer.stderr.contains("--port"), "{}", answer.stderr);
 }
 
-/// Asks for `path` at the page's own host, with more headers and a body; the status and the whole answer.
+/// Requests `path` at the page's own host, with more headers and a body; returns the status and the complete answer.
 fn asked(served: &Served, request: &str, more: &str, body: &str) -> (String, String) {
     use std::io::{Read as _, Write as _};
     let host = format!("127.0.0.1:{}", served.port());
@@ -33,7 +33,7 @@ fn asked(served: &Served, request: &str, more: &str, body: &str) -> (String, Str
     let question = format!(
         "{request} HTTP/1.1\r\n{own}{more}Content-Length: {length}\r\nConnection: close\r\n\r\n{body}"
     );
-    // Headers are bytes, a character each.
+    // Headers are bytes, one for each character.
     let bytes: Vec<u8> = question.chars().map(|c| c as u8).collect();
     socket.write_all(&bytes).unwrap();
     let mut answer = String::new();
@@ -88,7 +88,7 @@ fn explore_in_a_frame_answers_who_has_its_address_until_its_input_ends() {
     assert!(ended.success(), "{ended}");
 }
 
-/// Headers of the page that used the address: its cookie, and the key and origin that a POST needs beside it.
+/// Returns the headers of the page that used the address: its cookie, and the key and origin for a POST.
 fn entered(served: &Served) -> (String, String) {
     let path = served.1.rsplit('/').next().unwrap();
     let (status, answer) = asked(served, &format!("GET /{path}"), "", "");
@@ -150,7 +150,7 @@ fn explore_saves_what_was_moved_and_nothing_of_anybody_s() {
     let served = on("paper", "contact.damping_n_s_m=9");
     let lines = "base = \"paper\"\ncontact.damping_n_s_m = 9\ngear.backlash_m = 1e-4\n";
     assert_eq!(saved(&served, r#"[["gear.backlash_m","1e-4"]]"#), lines);
-    // Two of them, and 160 states: each is a file of its own.
+    // Two of them, and 160 states: each has its own file.
     let both = [on("paper", "gear.wheels=2"), on("paper", "gear.wheels=2")];
     std::thread::scope(|scope| {
         for (number, served) in both.iter().enumerate() {
@@ -171,14 +171,14 @@ fn explore_saves_what_was_moved_and_nothing_of_anybody_s() {
     assert_eq!(states.len(), 160, "each once");
 }
 
-/// Processor time that a program has taken, in ticks of the system.
+/// Returns the processor time of a program, in ticks of the system.
 #[cfg(target_os = "linux")]
 fn ticks(served: &Served) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", served.0.id())).unwrap();
     stat.split_whitespace().nth(13).unwrap().parse().unwrap()
 }
 
-/// A run that takes many seconds holds up no other question, whatever is asked, and ends with who asked for it.
+/// A run of many seconds delays no other request, and ends with its client.
 #[cfg(target_os = "linux")]
 #[test]
 fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
@@ -245,7 +245,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
         }
         let begun = std::time::Instant::now();
         let mut socket = connect();
-        // Who is refused early may close before all is sent.
+        // The server may close an early refusal before all is sent.
         let _ = socket
             .write_all(&bytes)
             .and_then(|()| socket.shutdown(std::net::Shutdown::Write));
@@ -261,7 +261,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
         "{answered} {slowest:?}"
     );
     assert_eq!(asked(&served, "GET /status", &cookie, "").0, "200");
-    // A run goes on as long as its page is there, and no longer.
+    // A run continues only as long as its page exists.
     slow = run();
     std::thread::sleep(std::time::Duration::from_millis(500));
     let still = slow.read(&mut [0]).unwrap_err();
@@ -274,7 +274,8 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
     assert!(taken < 20, "{taken} ticks after its page was closed");
 }
 
-/// Arguments of a process are there for all users to read: the browser's hold no token, and the file that they name is its user's.
+/// All users can read arguments of a process: the browser's contain no token, and only the user can read the file that they
+/// name.
 #[cfg(target_os = "linux")]
 #[test]
 fn explore_hands_the_browser_a_file_that_only_its_user_may_read() {
@@ -304,7 +305,7 @@ fn explore_hands_the_browser_a_file_that_only_its_user_may_read() {
     assert!(!Path::new(args.trim()).exists(), "{args}");
 }
 
-/// Whoever was refused and goes on to send, a byte at a time, keeps no place from others for long.
+/// Refused clients that continue to send, a byte at a time, do not occupy connections for long.
 #[test]
 fn explore_is_not_shut_by_those_it_refused() {
     use std::io::Write as _;
@@ -335,7 +336,7 @@ fn explore_answers_its_own_page_alone() {
     assert_eq!(ask("GET /", "", "").0, "403", "without a token");
     assert_eq!(ask("GET /?token=00", "", "").0, "403", "a wrong token");
     let (cookie, key) = entered(&served);
-    // Other servers of this machine set cookies too, of any bytes, and many.
+    // Other servers of this machine set many cookies too, of any bytes.
     let others = "y".repeat(100_000);
     let cookie = format!(
         "Cookie: other=\u{e9}; {}; more={others}\r\n",
@@ -350,7 +351,7 @@ fn explore_answers_its_own_page_alone() {
     assert_eq!(ask("GET /status", &cookie, "").0, "200");
     let rebound = format!("Host: evil.example\r\n{cookie}");
     assert_eq!(ask("GET /status", &rebound, "").0, "403", "another host");
-    // Whoever serves another port of this machine has the cookie, and with it no key.
+    // Another server on this machine has the cookie, but not the key.
     let shown = ask("GET /", &cookie, "");
     assert_eq!(shown.0, "200");
     let (key, origin) = key.split_once('\n').unwrap();
@@ -382,7 +383,7 @@ fn explore_answers_its_own_page_alone() {
     assert_eq!(ask("GET /status", &long, "").0, "431");
     let twice = format!("{own}{origin}");
     assert_eq!(ask("POST /run", &twice, "[]").0, "403");
-    // No value makes it fail; what is no scene is a reason.
+    // No value causes a failure; an invalid scene gives a reason.
     let keys = [
         "gear.eccentricity_m",
         "gear.backlash_m",
@@ -412,7 +413,7 @@ fn explore_answers_its_own_page_alone() {
             }
         }
     }
-    // Those that announce more than they send, or too much, or nothing at all, hold up no other.
+    // Clients that announce more than they send, or too much, or nothing, delay no other.
     let stalled = ["16000", "1000000000000", "99999999999999999999999", "-1"].map(|length| {
         use std::io::Write as _;
         let mut socket = std::net::TcpStream::connect(&host).unwrap();
@@ -426,7 +427,7 @@ fn explore_answers_its_own_page_alone() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     assert_eq!(ask("GET /status", &cookie, "").0, "200");
     drop(stalled);
-    // Idle ones, however many, shut nobody out; nor do those that were refused and go on to send a byte now and then.
+    // Idle clients of any number exclude no other, nor do refused ones that send single bytes.
     let idle: Vec<_> = (0..80)
         .map(|_| std::net::TcpStream::connect(&host).unwrap())
         .collect();

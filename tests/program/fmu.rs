@@ -1,4 +1,4 @@
-//! `pinwheel fmu` in the program; what is in a unit is tested where it is made (`crates/fmu`).
+//! `pinwheel fmu` in the program; `crates/fmu` tests the content of a unit.
 
 use std::fs;
 use std::path::Path;
@@ -35,7 +35,7 @@ fn a_unit_is_where_the_program_says() {
     assert!(dir.join("out/paper.fmu").is_file());
 }
 
-/// A command at a time of which `SOURCE_DATE_EPOCH` speaks.
+/// Runs a command at the time given by `SOURCE_DATE_EPOCH`.
 fn at(epoch: &str, dir: &Path, words: &[&str]) -> Outcome {
     let mut command = pinwheel();
     let command = command.current_dir(dir).args(words);

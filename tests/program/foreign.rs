@@ -14,14 +14,14 @@ const COMPARE: [&str; 9] = [
     "native-reduced",
     "--set",
     "solver.duration_s=0.02",
-    // Stated, so that the comparison takes it as the run does.
+    // Stated, so that comparison and run use equal values.
     "--set",
     "solver.step_s=1e-5",
     "--force",
 ];
 
-/// Our own time series in another program's clothes: semicolons, decimal commas, milliseconds that begin
-/// elsewhere, newton millimetres of the other sign, degrees, components of forces in kN counted from 1.
+/// Returns the native time series in another program's format: semicolons, decimal commas, milliseconds from another start,
+/// newton millimetres of the opposite sign, degrees, components of forces in kN counted from 1.
 fn disguised(ours: &TimeSeries, step: usize) -> String {
     let comma = |x: f64| x.to_string().replace('.', ",");
     let mut text = String::from("Export 7\nTIME;Motor;Angle");
@@ -66,7 +66,7 @@ output_angle_rad = { column = 3, unit = \"deg\" }
 \"external_sleeve_force_n_*\" = { magnitude_of = [\"FX_*\", \"FY_*\"], unit = \"kN\", first = 1 }
 ";
 
-/// A folder with our time series, their disguise and its map.
+/// Returns a folder with the native time series, their converted form and its map.
 fn folder(step: usize) -> (tempfile::TempDir, TimeSeries) {
     let dir = tempfile::tempdir().unwrap();
     let ran = run_in(
@@ -92,7 +92,7 @@ fn summary(dir: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(dir.join("out/summary.json")).unwrap()).unwrap()
 }
 
-/// The relative L2 of a quantity between the native run and the foreign set.
+/// Returns the relative L2 of a quantity between the native run and the foreign set.
 fn difference(summary: &Value, quantity: &str) -> Option<f64> {
     let entries = summary["pairs"][0]["entries"].as_array().unwrap();
     let entry = entries.iter().find(|e| e["quantity"] == quantity).unwrap();
@@ -111,7 +111,7 @@ fn notes(summary: &Value) -> String {
         .join(" ")
 }
 
-/// Back and forth through units, signs, components and offsets nothing is lost but rounding.
+/// Conversion of units, signs, components and offsets and back loses only rounding.
 #[test]
 fn our_own_courses_come_back() {
     let (dir, ours) = folder(1);
@@ -131,7 +131,7 @@ fn our_own_courses_come_back() {
     assert!(
         notes(&summary).contains("It has no output_torque_n_m, 8 of 8 internal_sleeve_force_n.")
     );
-    // Measured data are held against no limit of the shared law, nor against the load.
+    // Measured data have no limit of the shared law, and no check against the load.
     let judged = summary["engines"][1]["judged"].as_array().unwrap();
     assert!(judged.is_empty());
     let verdicts = summary["pairs"][0]["entries"].as_array().unwrap();
@@ -142,7 +142,7 @@ fn our_own_courses_come_back() {
     assert!(page.contains("Measured") && page.contains("rig"));
 }
 
-/// A clock that began elsewhere: found where the map asks for it, told where the map says something else.
+/// A time shift is determined if the map requests it, and reported if the map states another one.
 #[test]
 fn a_shift_in_time_is_found_told_and_offered() {
     let (dir, _) = folder(1);
@@ -166,10 +166,10 @@ fn a_shift_in_time_is_found_told_and_offered() {
         .parse()
         .unwrap();
     assert!((seconds - 0.5).abs() < 1e-5, "{said}");
-    // A parabola through three samples finds the peak of an even correlation to a hundredth of a sample.
+    // A parabola through three samples locates the peak of an even correlation to a hundredth of a sample.
     let off = difference(&aligned, "input_torque_n_m").unwrap();
     assert!(off < 0.02, "{off:e}");
-    // The terminal says so too, with the distances.
+    // The terminal reports it too, with the distances.
     let shown: Vec<&str> = shown.split_whitespace().collect();
     let shown = shown.join(" ");
     assert!(
@@ -194,7 +194,7 @@ fn a_shift_in_time_is_found_told_and_offered() {
     );
 }
 
-/// Half the samples: the others are interpolated, and what that may cost is said.
+/// With half the samples the others are interpolated, and the effect is reported.
 #[test]
 fn other_sample_times_are_interpolated_and_told() {
     let (dir, _) = folder(2);
@@ -218,7 +218,7 @@ fn other_sample_times_are_interpolated_and_told() {
     assert!(made > 1e-6 && made < told, "{made:e} {told:e}");
 }
 
-/// A file that covers a part, lacks columns, and a limit that its owner states.
+/// A file that covers a part, lacks columns, and has a stated limit.
 #[test]
 fn a_part_is_compared_and_stated_limits_hold() {
     let (dir, _) = folder(1);
@@ -256,7 +256,7 @@ fn a_part_is_compared_and_stated_limits_hold() {
     }
 }
 
-/// Channels that only the foreign file has are computed for it.
+/// Channels that only the foreign file has are computed.
 #[test]
 fn mapped_channels_are_recorded() {
     let (dir, _) = folder(1);
@@ -340,7 +340,7 @@ fn bad_input_is_named() {
         }
         assert!(!dir.path().join("out").exists());
     }
-    // Left out on request, they are named in the report.
+    // Omitted on request, and named in the report.
     std::fs::write(dir.path().join("rig.csv"), rows).unwrap();
     std::fs::write(
         dir.path().join("rig.toml"),
@@ -362,7 +362,7 @@ fn bad_input_is_named() {
     );
 }
 
-/// With the uncertainty of its cells a rig's data are held against the model by ASME V&V 20, and the budget is told.
+/// With the uncertainty of its cells a rig's data validate the model by ASME V&V 20, and the budget is reported.
 #[test]
 fn stated_uncertainties_give_validation_verdicts() {
     let (dir, _) = folder(1);
@@ -403,7 +403,7 @@ fn stated_uncertainties_give_validation_verdicts() {
     assert!(outcome.stderr.contains("range"), "{}", outcome.stderr);
 }
 
-/// How well the scene's own values are known counts too, in proportion, and the bar on the terminal says whose share is which.
+/// The uncertainty of the scene's values counts in proportion, and a bar on the terminal shows each share.
 #[test]
 fn uncertain_inputs_are_part_of_the_budget() {
     let (dir, _) = folder(1);
@@ -412,7 +412,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
         "factor = -1.0, uncertainty = { of_reading = 0.001 } }",
     );
     std::fs::write(dir.path().join("rig.toml"), map).unwrap();
-    // Budgets are details.
+    // Budgets appear only in details.
     let foreign = words("--against rig.csv --map rig.toml --out out --verbose");
     let budget = |sets: &[&str]| {
         let outcome = run_in(
@@ -438,7 +438,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
     assert_eq!(before["input"], 0.0, "{before}");
     let (text, after) = budget(&["--set", "uncertain.drive.output_torque_n_m.plus_minus=0.11"]);
     let input = after["input"].as_f64().unwrap();
-    // Measured: 0.0107, as a start-up rings the faster the more it carries; a tenth of that would be wrong.
+    // Measured: 0.0107, because a start-up oscillates faster under more load; a tenth of that would be wrong.
     assert!((0.005..0.02).contains(&input), "{after}");
     // Measured: 87 % of the budget, numerics 12 %.
     assert!(
@@ -448,7 +448,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
     let double = ["--set", "uncertain.drive.output_torque_n_m.plus_minus=0.22"];
     let twice = budget(&double).1["input"].as_f64().unwrap();
     assert!((twice / input - 2.0).abs() < 0.2, "{input} {twice}");
-    // Nine keys and more are moved all at once: the others hardly count here.
+    // From nine keys on all are changed at once: the others hardly matter here.
     let many: Vec<String> = [
         ("drive.output_torque_n_m", "0.11"),
         ("mass.wheel.mass_kg", "1e-9"),

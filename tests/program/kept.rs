@@ -1,4 +1,4 @@
-//! Runs of other engines that `compare` keeps.
+//! Stored runs of other engines in `compare`.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,7 @@ use pinwheel_tests::{Outcome, names_in, pinwheel, words};
 const COMPARE: &str = "compare paper --engines native,rapier-shared-law --longest 5 --set solver.duration_s=0.02 \
     --out out";
 
-/// `compare` in `dir`, whose runs are kept in the folder `runs` below it.
+/// Runs `compare` in `dir`, with runs stored in the folder `runs` below it.
 fn compare(dir: &Path, more: &str) -> Outcome {
     pinwheel()
         .args(words(COMPARE))
@@ -73,7 +73,7 @@ fn program_compare_keeps_runs_and_says_so() {
     assert_eq!(rapier("courses.csv"), series);
 }
 
-/// Ctrl-C keeps what is done, and says how to go on.
+/// Ctrl-C stores finished runs, and reports the way to continue.
 #[cfg(unix)]
 #[test]
 fn program_compare_stopped_keeps_what_is_done() {

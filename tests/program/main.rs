@@ -1,4 +1,4 @@
-//! Tests of the program as users run it, in one program: they share its build and the machine.
+//! Tests of the program in use, in one test program: they share its build and the machine.
 
 mod bad_input;
 mod baseline;

@@ -1,4 +1,4 @@
-//! Nothing of the user's is lost, and nothing passes unchecked: attacks on the program, each refused or harmless.
+//! Protection of the user's files, and no unchecked input: attacks on the program, each refused or harmless.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use pinwheel_tests::{Outcome, names_in, pinwheel, repository, run_in, words};
 
 const SHORT: [&str; 2] = ["--set", "solver.duration_s=0.002"];
 
-/// Seconds of work, written into the folder named after it.
+/// A command that takes many seconds and writes into the folder named after it.
 const LONG: [&str; 6] = [
     "run",
     "paper",
@@ -168,7 +168,7 @@ fn regress_folders_of_the_user_are_never_replaced() {
     assert_refused(&outcome, "mine.toml");
     assert_eq!(names_in(&real), ["letter"]);
     assert_eq!(names_in(&work.join("data")), ["mine.toml"]);
-    // A link to nothing, and a name no file system takes: told before anything is computed.
+    // A link to nothing, and an invalid file name: reported before any computation.
     std::os::unix::fs::symlink("nowhere", work.join("dangling")).unwrap();
     assert_refused(
         &run(&["run", "paper", "--out", "dangling"]),
@@ -196,7 +196,7 @@ fn regress_file_names_make_no_output_ours() {
         "another tool's"
     );
 
-    // Ours, with the data of a comparison in it: not replaced, with or without --force.
+    // Output of the program with the data of a comparison in it: not replaced, with or without --force.
     let ours = ["run", "paper", "--out", "ours"];
     assert_eq!(run_in(dir.path(), ours.iter().chain(&SHORT)).code, Some(0));
     fs::write(
@@ -218,7 +218,7 @@ fn regress_file_names_make_no_output_ours() {
         assert_refused(&outcome, "ours/courses.csv");
     }
     assert!(dir.path().join("ours/courses.csv").is_file());
-    // An output with a file added: named.
+    // An output with an additional file: named.
     fs::write(dir.path().join("ours/notes.txt"), "precious").unwrap();
     let words = ["run", "paper", "--out", "ours"];
     assert_refused(
@@ -236,10 +236,10 @@ fn regress_a_partial_measurement_replaces_no_complete_one() {
     assert_eq!(run_in(dir.path(), &short).code, Some(0));
     let before = fs::read_to_string(dir.path().join("b/summary.json")).unwrap();
     let mut long = [&words[..], &["--set", "solver.duration_s=0.02"]].concat();
-    // Far longer than anybody waits.
+    // Far longer than any wait.
     let repeats = long.iter().position(|word| *word == "--repeats").unwrap() + 1;
     long[repeats] = "1000";
-    // Stopped before anything is measured it writes nothing: then later, however slow the machine.
+    // A stop before any measurement writes nothing, so later stops follow, on any machine.
     for wait_s in [4, 16, 64, 256] {
         let child = start(dir.path(), &long);
         std::thread::sleep(Duration::from_secs(wait_s));
@@ -270,7 +270,7 @@ fn regress_reserved_names_are_refused_before_the_run() {
         run_in(dir.path(), words)
     };
     assert_refused(&against("d.csv"), "`name`");
-    // The same by the file's own name, where the map gives none.
+    // Equal by the file's own name, if the map gives none.
     fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
     fs::rename(
         dir.path().join("d.csv"),
@@ -290,7 +290,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
         names.retain(|name| name.starts_with(".pinwheel-"));
         names
     };
-    // Neither a finished output, nor a link, nor a pipe of such a name is anybody's leftover.
+    // A finished output, a link, or a pipe of such a name is no leftover.
     let victim = dir.path().join("victim");
     for out in ["victim/results", ".pinwheel-mine"] {
         let words = ["run", "paper", "--out", out];
@@ -309,7 +309,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
     child.wait().unwrap();
     let left = hidden();
     let new = left.iter().find(|name| !others.contains(name)).unwrap();
-    // The draft of a program that still runs is nobody's leftover.
+    // The draft of a running program is no leftover.
     let alive = start(dir.path(), &[&LONG[..], &["p"]].concat());
     until(|| hidden().len() == 5);
     let remedy = format!("note: a command that was killed left what `rm -r {new}` removes\n");
@@ -335,7 +335,8 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
     assert!(names_in(&dir.path().join(".pinwheel-mine")).contains(&"thesis.txt".to_owned()));
 }
 
-/// Single files: an earlier one of ours is replaced and keeps its mode; any other stays, an input of the run first of all.
+/// Single files: an earlier one of the program is replaced and keeps its mode; any other stays, above all an input of the
+/// run.
 #[cfg(unix)]
 #[test]
 fn bad_input_single_files_replace_only_their_like() {
@@ -375,7 +376,7 @@ fn bad_input_single_files_replace_only_their_like() {
     assert_eq!(fs::read_to_string(at("s.toml")).unwrap(), scene);
 }
 
-/// Two gears never share a default folder: it has the name of the scene's file, and knows which.
+/// Two gears never share a default folder: it has the name of the scene's file, and stores its origin.
 #[test]
 fn bad_input_default_folders_are_of_one_scene() {
     let dir = tempfile::tempdir().unwrap();
@@ -407,7 +408,7 @@ fn bad_input_default_folders_are_of_one_scene() {
 #[test]
 fn regress_two_sweeps_on_one_output() {
     let dir = tempfile::tempdir().unwrap();
-    sweep_file(dir.path(), "2.0"); // long enough to be met
+    sweep_file(dir.path(), "2.0"); // long enough to be interrupted
     let first = start(
         dir.path(),
         &["sweep", "s.toml", "--jobs", "1", "--out", "o"],
@@ -457,8 +458,8 @@ fn regress_undefined_numbers_are_empty_cells() {
     );
 }
 
-/// Gears that stand still, carry nothing or touch nothing: no figure of any page, table or file is infinite, none or
-/// larger than all that there is.
+/// Gears at rest, without load or without contact: no figure of any page, table or file is infinite, NaN or larger than
+/// physically possible.
 #[test]
 fn regress_no_number_where_there_is_none() {
     let dir = tempfile::tempdir().unwrap();
@@ -504,7 +505,7 @@ fn regress_no_number_where_there_is_none() {
     }
 }
 
-/// What a reader sees of a page: its text without scripts and styles; other files as they are.
+/// Returns the visible text of a page, without scripts and styles; other files unchanged.
 fn visible(text: &str) -> String {
     if !text.trim_start().to_lowercase().starts_with("<!doctype") {
         return text.to_owned();
@@ -527,7 +528,7 @@ fn visible(text: &str) -> String {
     text
 }
 
-/// What is asked for and fits nothing is an error that lists what there is; nothing passes without a number.
+/// A request without a match is an error that lists the alternatives; nothing passes without a number.
 #[test]
 fn regress_what_matches_nothing_does_not_pass() {
     let dir = tempfile::tempdir().unwrap();
@@ -559,7 +560,7 @@ fn regress_what_matches_nothing_does_not_pass() {
     assert_refused(&run_in(dir.path(), words), "holds no scenes");
 }
 
-/// A scene from a pipe that nobody writes to: the first Ctrl-C ends the wait.
+/// A scene from a pipe without a writer: the first Ctrl-C ends the wait.
 #[cfg(unix)]
 #[test]
 fn regress_a_pipe_that_never_comes_can_be_stopped() {
@@ -617,7 +618,7 @@ fn regress_control_characters_never_reach_the_terminal() {
         &["\u{1b}[2J"],
     ] {
         let mut command = pinwheel();
-        // As on a terminal: elsewhere colours, and with them such sequences, are left out anyway.
+        // As on a terminal: elsewhere colours, and with them such sequences, are omitted anyway.
         command.env("CLICOLOR_FORCE", "1").current_dir(dir.path());
         let outcome = Outcome::from(command.args(words).stdin(Stdio::null()).output().unwrap());
         assert_eq!(outcome.code, Some(2));
@@ -648,7 +649,7 @@ fn regress_control_characters_never_reach_the_terminal() {
     );
 }
 
-/// An output folder that holds what a named file names in turn is not replaced.
+/// An output folder with a file that a named file refers to is not replaced.
 #[test]
 fn regress_inputs_of_inputs_are_inputs() {
     let dir = tempfile::tempdir().unwrap();
@@ -663,7 +664,7 @@ fn regress_inputs_of_inputs_are_inputs() {
     assert_eq!(names_in(&dir.path().join("o")), ["base.toml"]);
 }
 
-/// A megabyte is read, or refused, within two seconds: nothing is done once a value for all values.
+/// A megabyte is read, or refused, within two seconds: no work is repeated for each value.
 #[test]
 fn regress_a_megabyte_is_read_at_once() {
     let dir = tempfile::tempdir().unwrap();
@@ -675,14 +676,14 @@ fn regress_a_megabyte_is_read_at_once() {
     let begun = Instant::now();
     let outcome = within(start(dir.path(), &["explain", "m.toml"]), 20.0);
     assert_refused(&outcome, "more than 1000");
-    // 0.1 s; 22 s with lines counted anew for every value.
+    // 0.1 s; 22 s if lines were counted again for every value.
     assert!(
         begun.elapsed() < Duration::from_secs(4),
         "{:?}",
         begun.elapsed()
     );
 
-    // One column of 75 000 rows under 80 000 names: 12 GB, were it read that often.
+    // One column of 75 000 rows under 80 000 names: 12 GB, if read that often.
     let rows: String = (0..75_000)
         .map(|k| format!("{:.5},1.25\n", 1e-5 * f64::from(k)))
         .collect();
@@ -704,7 +705,7 @@ fn regress_a_megabyte_is_read_at_once() {
         begun.elapsed()
     );
 
-    // 90 000 patterns, each held against all before it: 9 s.
+    // 90 000 patterns, each compared with all before it: 9 s.
     let patterns: Vec<String> = (0..90_000).map(|k| format!("\"*{k}*\"")).collect();
     let text = format!("scene = \"paper\"\nmeasure = [{}]\n", patterns.join(","));
     fs::write(dir.path().join("s.toml"), text).unwrap();
@@ -718,7 +719,7 @@ fn regress_a_megabyte_is_read_at_once() {
     );
 }
 
-/// A plan of many runs is made of many scenes: the first Ctrl-C ends that, too.
+/// A plan of many runs creates many scenes: the first Ctrl-C ends that, too.
 #[cfg(unix)]
 #[test]
 fn regress_planning_can_be_stopped() {
@@ -767,7 +768,7 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
     let first = times();
     assert_eq!(run_in(dir.path(), words).code, Some(0));
     assert_eq!(times(), first, "the same program goes on");
-    // As another build would have left them: runs are known by the sources of the program that made them.
+    // As left by another build: runs are identified by the sources of their program.
     for entry in fs::read_dir(dir.path().join("o/runs")).unwrap() {
         let path = entry.unwrap().path();
         let text = fs::read_to_string(&path).unwrap();
@@ -781,7 +782,7 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
     assert_ne!(times(), first);
 }
 
-/// So are those of a solver from outside whose program is another under the same version.
+/// Runs of an external solver whose program changed under one version are also repeated.
 #[cfg(unix)]
 #[test]
 fn regress_a_rebuilt_solver_reuses_no_runs() {

@@ -1,7 +1,6 @@
-//! Solvers from outside, through the program: the examples in every language that is here, and one that was written against
-//! the header alone.
+//! External solvers in the program: the examples in every available language, and one written from the header alone.
 #![cfg(unix)]
-#![allow(clippy::print_stdout)] // what was skipped, and the table of trials
+#![allow(clippy::print_stdout)] // skipped parts, and the table of trials
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,7 +9,7 @@ use pinwheel_tests::{pinwheel, repository, run_in, words};
 use pinwheel_timeseries::{TimeSeries, columns};
 use tempfile::TempDir;
 
-/// The program's folder first on the path, as an installed program is.
+/// Returns a path with the program's folder first, as for an installed program.
 fn path() -> std::ffi::OsString {
     let program = PathBuf::from(pinwheel().get_program());
     let own = program.parent().map(Path::to_owned);
@@ -27,7 +26,7 @@ fn is_here(program: &str) -> bool {
     found
 }
 
-/// Builds by the line that the manifest states.
+/// Builds by the line in the manifest.
 fn build(folder: &Path) {
     let text = std::fs::read_to_string(folder.join("solver.toml")).expect("manifest");
     let stated = text
@@ -46,7 +45,7 @@ fn build(folder: &Path) {
     assert!(built.status.success(), "{line}\n{words}");
 }
 
-/// A folder with the example in a language, called `mine` and built; `None` where its compiler is not here.
+/// Returns a folder with the built example in a language, called `mine`; `None` without its compiler.
 fn example(language: &str, compiler: &str) -> Option<TempDir> {
     if !is_here(compiler) {
         return None;
@@ -77,7 +76,7 @@ fn conforms(language: &str, compiler: &str) {
     assert!(checked.stdout.contains("trials passed"), "{checked:?}");
     let page = std::fs::read_to_string(folder.path().join("out/mine-check/index.html"));
     assert!(page.expect("a page").contains("broken job"));
-    // The line on the solver stands first, on the terminal and in the file for CI.
+    // The line on the solver comes first, on the terminal and in the file for CI.
     let agrees = checked.stdout.lines().next().unwrap_or_default();
     assert!(agrees.starts_with("mine: agrees: to "), "{checked:?}");
     let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
@@ -114,7 +113,7 @@ fn time_series(folder: &Path, words: &[&str]) -> TimeSeries {
     TimeSeries::load_csv(&folder.join(out).join("courses.csv")).expect("courses")
 }
 
-/// Heun on the angles in Fortran, the paper's language, and our `rk2`: the same method on the same equations by two codes.
+/// Heun on the angles in Fortran, the paper's language, and the native `rk2`: one method on equal equations by two codes.
 #[test]
 fn crossval_fortran_heun_is_native_rk2() {
     let Some(folder) = example("fortran", "gfortran") else {
@@ -140,11 +139,11 @@ fn crossval_fortran_heun_is_native_rk2() {
     let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
     let off = square(&mut a.iter().zip(&b).map(|(a, b)| a - b)) / square(&mut a.iter().copied());
     println!("fortran-heun against native rk2: {off:.2e} in the driver torque");
-    // Measured 9e-14: the same steps on the same angles, so what is left is rounding, which contacts amplify. Times 1e4.
+    // Measured 9e-14: equal steps on equal angles, so only rounding remains, which contacts amplify. Times 1e4.
     assert!(off < 1e-9, "{off:e}");
 }
 
-/// The solver of `tests/data/NAME` in a folder of its own, built by `line`.
+/// Returns a folder with the solver of `tests/data/NAME`, built by `line`.
 fn built(name: &str, line: &str) -> Option<TempDir> {
     if !is_here("cc") {
         return None;
@@ -173,19 +172,19 @@ fn built(name: &str, line: &str) -> Option<TempDir> {
     Some(folder)
 }
 
-/// The solver that knows nothing but the header.
+/// Returns the solver written from the header alone.
 fn held_out() -> Option<TempDir> {
     let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
     built("held-out", line)
 }
 
-/// The solver with a law of its own, before [`commit`] puts a fault into it.
+/// Returns the solver with its own law, before [`commit`] adds a fault.
 pub(crate) fn faulty() -> Option<TempDir> {
     let line = "cc -O2 -o solver solver.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
     built("faulty", line)
 }
 
-/// Lets the solver of [`faulty`] commit a fault; `none` is one.
+/// Sets a fault of the solver of [`faulty`]; `none` removes it.
 pub(crate) fn commit(folder: &Path, fault: &str) {
     let manifest = std::fs::read_to_string(repository("tests/data/faulty/solver.toml"));
     let manifest = manifest.expect("manifest");
@@ -193,7 +192,7 @@ pub(crate) fn commit(folder: &Path, fault: &str) {
     std::fs::write(folder.join("solver.toml"), with).expect("written");
 }
 
-/// A solver that is right in all but one thing: each fault is seen, and where and when it shows.
+/// A solver with one error at a time: each fault is detected, with place and time.
 #[test]
 fn crossval_a_check_names_every_fault() {
     let Some(folder) = faulty() else { return };
@@ -281,7 +280,7 @@ fn crossval_a_check_names_every_fault() {
     }
 }
 
-/// A record says how far off the solver is, and keeps the scenes that it was not asked for.
+/// A record reports the solver's errors, and keeps the scenes that were not requested.
 #[test]
 fn regress_a_record_merges_and_names_what_is_wrong() {
     let Some(folder) = faulty() else { return };
@@ -309,7 +308,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         right.stdout
     );
     let more = ran("baseline record mine --accept more --only one-wheel,flores");
-    // One that it refuses was asked for and is not kept.
+    // A refused scene was requested and is not stored.
     assert_eq!(more.code, Some(4), "{}{}", more.stdout, more.stderr);
     assert!(
         more.stdout
@@ -332,7 +331,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         "{}",
         both.stdout
     );
-    // What moved is named by its stage.
+    // The changed stage is named.
     commit(folder.path(), "curvature");
     let moved = ran("baseline check mine --junit k.xml --only paper");
     let named = "stage law, likely curvature: curvature of the other sign in pits";
@@ -341,7 +340,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
     let junit = std::fs::read_to_string(folder.path().join("k.xml")).expect("junit");
     assert!(junit.contains(named), "{junit}");
     commit(folder.path(), "none");
-    // Nothing is shown of a scene that is not in it, nor of one that is refused.
+    // No statement on a scene that is not recorded, nor on a refused one.
     for only in ["eleven-pins", "flores"] {
         let nothing = ran(&format!("baseline check mine --junit j.xml --only {only}"));
         assert_eq!(
@@ -359,7 +358,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
             "{junit}"
         );
     }
-    // Of a solver that no longer honours a recorded scene.
+    // A solver that no longer supports a recorded scene.
     let manifest = folder.path().join("solver.toml");
     let narrow = std::fs::read_to_string(&manifest).expect("there");
     std::fs::write(&manifest, narrow.replace("[\"paper\"]", "[\"kunert\"]")).expect("written");
@@ -379,7 +378,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         none.stderr
     );
     assert!(!folder.path().join("b/none").exists());
-    // Scenes of one solver are not mixed with those of another.
+    // Scenes of different solvers are not mixed.
     let own = run_in(
         folder.path(),
         words("baseline record mine --dir b --accept x --only paper"),
@@ -437,7 +436,7 @@ fn crossval_a_held_out_solver_joins_every_command() {
     assert_eq!(table.matches("held-out-midpoint").count(), 2, "{table}");
 }
 
-/// Status 0 needs something shown of the solver, and the first lines name it.
+/// Status 0 needs evidence on the solver, and the first lines name it.
 #[test]
 fn crossval_nothing_shown_of_a_solver_is_no_pass() {
     let Some(folder) = example("c", "cc") else {
@@ -479,7 +478,7 @@ fn crossval_nothing_shown_of_a_solver_is_no_pass() {
         assert_eq!(done.code, Some(code), "{}{}", done.stdout, done.stderr);
         assert!(top.join(" ").contains(line), "{}", done.stdout);
         if words == compare {
-            // Programs that read the summary see no pass that the status denies.
+            // Programs that read the summary find no pass that the status denies.
             let summary = std::fs::read_to_string(folder.path().join("out/summary.json"));
             let passed = summary.expect("summary").contains("\"passed\": true");
             assert_eq!(passed, code == 0, "{line}");
@@ -503,14 +502,14 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
     let same = ran(&["baseline", "check", "mine"]);
     assert_eq!(same.code, Some(0), "{}{}", same.stdout, same.stderr);
 
-    // Each change moves what it should: errors, or counts.
+    // Each change affects the intended figures: errors, or counts.
     let source = folder.path().join("midpoint.c");
     let text = std::fs::read_to_string(&source).expect("source");
     let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
     let damped = "for (b = 0; b < count; b++) state[b][3] *= 0.9, state[b][4] *= 0.9, state[b][5] *= 0.9;\n    \
                   if (pinwheel_law_loads(gear";
     for (what, from, to, seen, shared_error) in [
-        // Cheaper, but for an error: that is no trade.
+        // Cheaper, with a larger error: no trade.
         (
             "the midpoint rule is no longer solved",
             "again < 8",
@@ -544,7 +543,7 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
         let junit = ["--junit", "junit.xml"];
         let worse = ran(&[&["baseline", "check", "mine"][..], &junit].concat());
         let said = format!("{what}\n{}{}", worse.stdout, worse.stderr);
-        // Half the step halves the error, and more: it is worth its steps.
+        // Half the step at least halves the error, which is worth its steps.
         let traded = seen.is_empty();
         assert_eq!(worse.code, Some(if traded { 0 } else { 1 }), "{said}");
         let verdict = if traded { "traded" } else { "worse" };
@@ -566,7 +565,7 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
         );
     }
 
-    // A baseline is held against the solvers that made it and no others.
+    // A baseline applies only to the solvers that made it.
     let other = run_in(folder.path(), ["baseline", "check", "mine", "--dir", "b"]);
     assert_eq!(other.code, Some(2));
     assert!(
@@ -669,7 +668,7 @@ fn bad_input_of_solvers_is_one_line() {
     assert!(!folder.path().join("job").exists());
 }
 
-/// A program that is stopped twice ends at once, and its solver with it.
+/// A program stopped twice ends at once, and its solver with it.
 #[test]
 fn hard_a_second_signal_leaves_nothing_running() {
     let folder = tempfile::tempdir().expect("folder");
@@ -698,7 +697,7 @@ fn hard_a_second_signal_leaves_nothing_running() {
     assert_eq!(ended.code(), Some(130));
     let pid = pid();
     assert!(!pid.trim().is_empty(), "the solver never ran");
-    // A zombie that nobody waits for has ended, too.
+    // A zombie process has ended, too.
     let stat = format!("/proc/{}/stat", pid.trim());
     for _ in 0..100 {
         let lives = std::fs::read_to_string(&stat).is_ok_and(|stat| !stat.contains(") Z "));

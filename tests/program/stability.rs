@@ -1,11 +1,11 @@
-//! `pinwheel stability` as a user meets it: what it writes, how it goes on, how it ends.
+//! `pinwheel stability` in use: files, continuation, endings.
 
 use std::path::Path;
 
 use pinwheel_tests::{Outcome, names_in, run_in};
 use serde_json::Value;
 
-/// Two scenes of 2 ms: a frictionless gear and one whose stiffness Heun's step does not stand.
+/// Writes two scenes of 2 ms: a frictionless gear and one too stiff for Heun's step.
 fn scenes(dir: &Path) {
     let file = |name: &str, keys: &str| {
         let text =
@@ -51,7 +51,7 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     assert_eq!(whole["finished"], true);
     let rows = whole["atlas"]["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
-    // Heun at 1e-5 s: right on the soft gear, loud on the stiff one.
+    // Heun at 1e-5 s: right on the soft gear, diverged on the stiff one.
     assert!(rows[0]["cells"][0]["failure"].is_null());
     assert_eq!(rows[1]["cells"][0]["failure"]["kind"], "blow-up");
     assert!(rows[1]["cells"][0]["largest_step_s"].as_f64().unwrap() < 1e-5);
@@ -65,7 +65,7 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     }
     assert!(!page.contains("src=\"http"), "nothing from elsewhere");
 
-    // As if the study had been stopped with one scene open: the others stay what they were.
+    // As after a stop with one scene open: the others stay unchanged.
     let mut stopped = whole.clone();
     stopped["atlas"]["rows"][1] = Value::Null;
     stopped["atlas"]["rows"][0]["why"] = "kept".into();
@@ -109,7 +109,7 @@ fn bad_input_to_stability_is_one_line() {
     }
 }
 
-/// A run whose step does not resolve its scene ends with status 4, with its time series; asked not to look, with 0.
+/// A run whose step does not resolve its scene ends with status 4 and its time series; without the check with 0.
 #[test]
 fn hard_unresolved_run_ends_with_status_one() {
     let dir = tempfile::tempdir().unwrap();
@@ -126,7 +126,7 @@ fn hard_unresolved_run_ends_with_status_one() {
     assert_eq!(run_in(dir.path(), words).code, Some(0));
 }
 
-/// Explicit friction on feathers: an error that names the energy, not numbers.
+/// Explicit friction on very light pins: an error that names the energy, not numbers.
 #[test]
 fn hard_explicit_friction_ends_with_status_three() {
     let dir = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! `pinwheel sweep` as a user meets it: what it writes, and what a kill leaves.
+//! `pinwheel sweep` in use: files, and remains of a kill.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -61,7 +61,7 @@ fn a_sweep_writes_whole_results() {
     );
     let page = read(&out.join("index.html"));
     assert!(page.contains("gear.backlash_m") && page.contains("small"));
-    // An earlier output is replaced as a whole; --list runs nothing.
+    // An earlier output is replaced completely; --list runs nothing.
     assert_eq!(run_in(dir.path(), ["sweep", "small.toml"]).code, Some(0));
     let list = run_in(
         dir.path(),
@@ -108,11 +108,11 @@ fn bad_sweeps_end_with_a_line() {
     assert!(read(&dir.path().join("wild/results.csv")).contains("diverged"));
 }
 
-/// Killed without a chance to clean up, a sweep keeps its finished runs, and goes on with them; what is torn is run again.
+/// A sweep keeps its finished runs after SIGKILL, and continues with them; torn ones are run again.
 #[test]
 fn a_killed_sweep_goes_on() {
     let dir = tempfile::tempdir().unwrap();
-    // Long enough to be killed in the middle, whatever the machine: it is killed once two runs are there.
+    // Long enough on any machine for a kill in the middle, which comes after two runs.
     let long = SWEEP.replace("0.01", "0.05");
     std::fs::write(dir.path().join("long.toml"), &long).unwrap();
     let journal = dir.path().join("long.unfinished");
@@ -145,7 +145,7 @@ fn a_killed_sweep_goes_on() {
         let finished = records.inspect(|record| assert_eq!(record["state"], "finished"));
         finished.map(|record| record["cpu_s"].clone()).collect()
     };
-    // One record may have been killed while it was written, and one is torn here: they are no records.
+    // One record may be torn by the kill, and one is torn here: both are invalid.
     assert!(stamps().len() + 1 >= kept, "{kept}");
     let mut names = names_in(&journal).into_iter();
     let torn = names.find(|name| name.starts_with("run-"));
@@ -161,7 +161,7 @@ fn a_killed_sweep_goes_on() {
         ["sweep", "long.toml", "--out", "long", "--resume"],
     );
     assert_eq!(resumed.code, Some(0), "{resumed:?}");
-    // The kept runs were not run again: their times are still those of the first attempt.
+    // The stored runs were not repeated: their times are still those of the first attempt.
     let costs = read(&dir.path().join("long/costs.csv"));
     for stamp in stamps {
         assert!(costs.contains(&stamp.to_string()), "{stamp} {costs}");
@@ -173,7 +173,8 @@ fn a_killed_sweep_goes_on() {
     assert_eq!(results("long"), results("whole"));
 }
 
-/// Time series that were cut, emptied, altered or exchanged since, and records with another digit, are those of no run: the run is made again.
+/// Time series that were cut, emptied, altered or exchanged, and records with a changed digit are invalid: the run is
+/// repeated.
 #[test]
 fn damaged_runs_are_made_again() {
     let dir = tempfile::tempdir().unwrap();
@@ -229,7 +230,7 @@ fn damaged_runs_are_made_again() {
     }
 }
 
-/// What few runs say is where they end; what is the same in all has no spread and nothing that decides it.
+/// For few runs only the ends are reported; equal values have no spread and no decisive key.
 #[test]
 fn small_samples_say_no_more_than_they_know() {
     let dir = tempfile::tempdir().unwrap();
@@ -250,14 +251,14 @@ fn small_samples_say_no_more_than_they_know() {
     assert!(sample(30, backlash).contains(", 90 % of runs from "));
     let same = sample(8, "gear.backlash_m = { mean = 1e-4, plus_minus = 1e-19 }");
     for text in [few, same] {
-        // What follows may stand on the next line, indented.
+        // The continuation may be on the next line, indented.
         let unfinished = |pair: (&str, &str)| pair.0.ends_with(';') && !pair.1.starts_with(' ');
         let below = text.lines().skip(1).chain([""]);
         assert!(!text.lines().zip(below).any(unfinished), "{text}");
     }
 }
 
-/// A key that the run does not read is named, as an axis and on the command line; one that does something is not.
+/// A key without effect on the run is reported, as an axis and on the command line; one with an effect is not.
 #[test]
 fn regress_keys_that_do_nothing_are_named() {
     let dir = tempfile::tempdir().unwrap();
@@ -311,12 +312,12 @@ fn regress_keys_that_do_nothing_are_named() {
         let keys: Vec<&str> = keys.collect();
         assert_eq!(keys, ["contact.restitution", "base"], "{command}: {told}");
     }
-    // Nothing for 2 ms, and then all: it is not the beginning that counts.
+    // Nothing for 2 ms, and then all: the comparison does not stop at the beginning.
     let later = "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]";
     assert_eq!(run(later), "");
     for typed in [
         "design paper --out r --force --statics --set drive.output_torque_n_m=20",
-        // No figure of statics knows these.
+        // No figure of statics depends on these.
         "design paper --out r --force --set mass.wheel.mass_kg=0.7",
         "design paper --out r --force --set contact.band_laws=[\"kunert\"]",
         "explain paper --set gear.hole_radius_m=0.00881",
@@ -333,7 +334,7 @@ fn regress_keys_that_do_nothing_are_named() {
         assert_eq!((told.code, told.stderr), (Some(0), note), "{typed}");
     }
 
-    // What broke off has no bands, which take longer than all else.
+    // A run that broke off has no bands, which take the longest time.
     let wheels = "run steel --out w --set gear.wheels=64";
     assert_eq!(run_in(dir.path(), words(wheels)).code, Some(3));
     assert!(!read(&dir.path().join("w/run.json")).contains("by_contact_law"));

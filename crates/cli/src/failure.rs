@@ -1,4 +1,4 @@
-//! Why the program ends early: an exit status and one line with the remedy.
+//! Failures of the program: an exit status and one line with the remedy.
 
 use pinwheel::compare::CompareError;
 use pinwheel::engines::Cancelled;
@@ -10,18 +10,18 @@ use pinwheel::studies::output::OutputError;
 use pinwheel::studies::sweep::SweepError;
 use pinwheel::time_series::Ending;
 
-/// Ran, and engines differ, or something is worse than it may be.
+/// Finished; engines differ, or a result is worse than permitted.
 pub(crate) const DIFFER: u8 = 1;
-/// Ran, and something is inconclusive that a setting of the user's would settle.
+/// Finished; a result is inconclusive, and a setting could decide it.
 pub(crate) const INCONCLUSIVE: u8 = 4;
-/// Bad input or usage.
+/// Invalid input or usage.
 pub(crate) const INPUT: u8 = 2;
-/// An engine is missing, diverged or failed.
+/// Missing, diverged or failed engine.
 pub(crate) const ENGINE: u8 = 3;
-/// Stopped by the user, as shells number an interrupt.
+/// Stop by the user; shells number an interrupt like this.
 pub(crate) const STOPPED: u8 = 130;
 
-/// An early end.
+/// Failure that ends the program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Failure {
     /// Exit status.

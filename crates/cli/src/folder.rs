@@ -1,4 +1,4 @@
-//! Output of commands: the library's folders and files, with the command line as their author and its files kept safe.
+//! Outputs of commands: folders and files of the library with the command line as their origin.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,12 +16,12 @@ use crate::args::{self, OutArgs, label, quoted};
 use crate::failure::Failure;
 use crate::{interrupt, screen, words};
 
-/// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
+/// Output folder under construction, removed unless [published](Self::publish).
 #[derive(Debug)]
 pub(crate) struct Folder(folder::Folder);
 
 impl Folder {
-    /// Checks that `out` may be written, before anything long is run.
+    /// Checks that `out` may be written, before any long run.
     pub(crate) fn prepare(out: &Path, force: bool) -> Result<Self, Failure> {
         let request = Request {
             force,
@@ -30,7 +30,7 @@ impl Folder {
         Self::asked(out, request)
     }
 
-    /// Prepares the folder that is asked for, or `out/NAME`, for the results of `of`. The latter keeps those of anything else.
+    /// Prepares the requested folder, or `out/NAME`, for the results of `of`. The latter must not replace other results.
     pub(crate) fn of(out: &OutArgs, name: impl AsRef<Path>, of: &str) -> Result<Self, Failure> {
         let request = Request {
             of: of.to_owned(),
@@ -41,7 +41,7 @@ impl Folder {
         Self::asked(&out.or(name), request)
     }
 
-    /// Prepares the folder that is asked for, or one in `out` by the names of the scenes' files or presets.
+    /// Prepares the requested folder, or one in `out` with the names of the scenes' files or presets.
     pub(crate) fn of_scenes(out: &OutArgs, specs: &[&str], command: &str) -> Result<Self, Failure> {
         let labels: Vec<String> = specs.iter().map(|spec| label(spec)).collect();
         let name = format!("{}-{command}", labels.join("-and-"));
@@ -52,7 +52,7 @@ impl Folder {
         Self::of(out, name, &of.collect::<Vec<_>>().join(" and "))
     }
 
-    /// Prepares a folder that is not there yet and gets no manifest: its files are the user's own.
+    /// Prepares a new folder without a manifest, for files that belong to the user.
     pub(crate) fn fresh(out: &Path) -> Result<Self, Failure> {
         let request = Request {
             fresh: true,
@@ -65,7 +65,7 @@ impl Folder {
         Self::asked(out, request).map_err(failed)
     }
 
-    /// Prepares a folder for a request of which the command and its files are not known.
+    /// Prepares a folder for a request, and adds command and files to it.
     pub(crate) fn asked(out: &Path, mut request: Request) -> Result<Self, Failure> {
         request.command = args::typed();
         request.inputs.extend(named_files());
@@ -80,12 +80,12 @@ impl Folder {
         self.0.path()
     }
 
-    /// Returns the target as the user wrote it.
+    /// Returns the target as typed.
     pub(crate) fn place(&self) -> &Path {
         self.0.place()
     }
 
-    /// Writes the files of a result by `write`; returns how pages and files name what made them.
+    /// Writes the files of a result by `write`; returns their origin for pages and files.
     pub(crate) fn write<E: Into<Failure>>(
         &self,
         write: impl FnOnce(&Path, &Provenance) -> Result<(), E>,
@@ -100,21 +100,21 @@ impl Folder {
         Ok(write_text(&self.path().join(PAGE), html)?)
     }
 
-    /// Writes the page, gives the folder its name, and shows the text and where the page is.
+    /// Writes the page, publishes the folder, and shows the text and the page's path.
     pub(crate) fn show(self, html: &str, text: &str) -> Result<(), Failure> {
         self.write_page(html)?;
         screen::show_with_page(text, &self.publish()?.join(PAGE))
     }
 
-    /// Gives the folder its name; returns it as the user wrote it.
+    /// Publishes the folder; returns it as typed.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
-        // It may hold the earlier output by now, which a second signal must not delete.
+        // The draft may be the earlier output by now, which a second signal must not delete.
         interrupt::unfinished(None);
         Ok(self.0.publish()?)
     }
 
-    /// Writes the page and gives the folder its name although the user asked to stop; it never replaces what is complete.
+    /// Writes the page and publishes the folder in spite of a stop; it never replaces a complete output.
     pub(crate) fn publish_partial(self, html: &str) -> Result<PathBuf, Failure> {
         self.write_page(html)?;
         interrupt::unfinished(None);
@@ -122,7 +122,7 @@ impl Folder {
     }
 }
 
-/// Names a file from the folder of work, so that two ways to type it are one.
+/// Returns a file relative to the working folder, so that two spellings of it are equal.
 pub(crate) fn relative(file: &Path) -> String {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let here = std::env::current_dir().unwrap_or_default();
@@ -133,7 +133,7 @@ pub(crate) fn relative(file: &Path) -> String {
         .to_string()
 }
 
-/// Names the scenes of a study that has some by itself.
+/// Names the scenes of a study that has default scenes.
 pub(crate) fn all_or(scenes: &[String]) -> String {
     match scenes {
         [] => "all its scenes".to_owned(),
@@ -141,7 +141,7 @@ pub(crate) fn all_or(scenes: &[String]) -> String {
     }
 }
 
-/// Returns the files on the command line, whatever they are for.
+/// Returns all existing files on the command line.
 fn named_files() -> Vec<PathBuf> {
     folder::named_files(words::typed().flat_map(|word| {
         // `--against=FILE`
@@ -151,16 +151,16 @@ fn named_files() -> Vec<PathBuf> {
     }))
 }
 
-/// Names the drafts that killed commands left beside `path`, each once, and the command that removes them.
+/// Reports the drafts of killed commands beside `path`, each once, and the command that removes them.
 pub(crate) fn name_leftovers(path: &Path) {
-    // Further drafts are named once these are gone.
+    // Further drafts are reported after the removal of these.
     const MOST: usize = 100;
     static NAMED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let absolute = std::path::absolute(path).unwrap_or_default();
     let here = std::env::current_dir().unwrap_or_default();
     let mut folders = absolute.ancestors().skip(1);
     let beside = folders.next();
-    // A draft stands higher up where the folder was not there yet.
+    // A draft is in a parent folder if the folder did not exist.
     let above = folders.take_while(|folder| folder.starts_with(&here));
     let mut left: Vec<PathBuf> = beside
         .into_iter()
@@ -187,12 +187,12 @@ fn refused(error: &OutputError) -> Failure {
     Failure::input(format!("{error}; name another file"))
 }
 
-/// Checks that a file may be written by itself, before anything long is run.
+/// Checks that a single file may be written, before any long run.
 pub(crate) fn check(path: &Path, ours: Ours<'_>) -> Result<(), Failure> {
     file::check(path, ours).map_err(|error| refused(&error))
 }
 
-/// Writes a file by itself, over none but one that is `ours`; a stop before leaves nothing.
+/// Writes a single file, replacing only one that is `ours`; after an earlier stop writes nothing.
 pub(crate) fn replace(path: &Path, bytes: &[u8], ours: Ours<'_>) -> Result<(), Failure> {
     interrupt::watched();
     interrupt::check()?;
@@ -200,7 +200,7 @@ pub(crate) fn replace(path: &Path, bytes: &[u8], ours: Ours<'_>) -> Result<(), F
     file::replace(path, bytes, ours).map_err(|error| refused(&error))
 }
 
-/// Checks that verdicts may be written as a JUnit file, before anything long is run.
+/// Checks that verdicts may be written as a JUnit file, before any long run.
 pub(crate) fn check_junit(path: Option<&Path>, out: &Path) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     let absolute = |path| std::path::absolute(path).unwrap_or_default();

@@ -1,7 +1,7 @@
-//! Ctrl-C and SIGTERM: the first asks the running engine to stop, the second ends the program; so does the first while
-//! nothing runs and what is read does not come.
+//! Ctrl-C and SIGTERM: the first stops the running engine, the second ends the program. Without a running engine the first
+//! also ends the program if reading does not return.
 //!
-//! Either way nothing half-written stays behind: the unfinished output folder is removed.
+//! Both remove the unfinished output folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -11,14 +11,14 @@ use std::time::Duration;
 use crate::failure::{Failure, STOPPED};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
-/// True if something runs that looks at the flag.
+/// True if running work checks the flag.
 static WATCHED: AtomicBool = AtomicBool::new(false);
-/// Longest time in which reading may notice the flag by itself. A pipe that nobody writes to never does.
+/// Longest time for reading to notice the flag. Reading a pipe without a writer never does.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// The draft being written, for the second signal: this process made it, and nobody else enters it.
+/// Draft of this process, removed by the second signal.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
-/// The flag engines watch.
+/// Returns the flag that engines check.
 pub(crate) fn flag() -> &'static AtomicBool {
     &CANCEL
 }
@@ -28,7 +28,7 @@ pub(crate) fn watched() {
     WATCHED.store(true, Ordering::Relaxed);
 }
 
-/// Fails once the user asked to stop.
+/// Returns an error after a stop by the user.
 pub(crate) fn check() -> Result<(), Failure> {
     if CANCEL.load(Ordering::Relaxed) {
         Err(Failure::stopped())
@@ -37,20 +37,20 @@ pub(crate) fn check() -> Result<(), Failure> {
     }
 }
 
-/// Names the folder to remove if the program is ended at once, or `None`.
+/// Sets the folder to remove if the program is ended at once, or `None`.
 pub(crate) fn unfinished(folder: Option<&Path>) {
     if let Ok(mut place) = UNFINISHED.lock() {
         *place = folder.map(Path::to_owned);
     }
 }
 
-/// A file that grows beyond `ulimit -f` is an error of its write, as a full disk is, and no signal that kills. Before any thread
-/// begins, as threads take it over; programs that are started do not.
+/// Makes a file beyond `ulimit -f` an error of its write, like a full disk, instead of a fatal signal. Call before any
+/// thread begins: threads inherit the setting, child programs do not.
 pub(crate) fn outlive_limits() {
     #[cfg(unix)]
     {
         let signals: nix::sys::signal::SigSet = [nix::sys::signal::SIGXFSZ].into_iter().collect();
-        // There is no other error than a wrong argument.
+        // A wrong argument is the only possible error.
         let _ = signals.thread_block();
     }
 }

@@ -1,9 +1,9 @@
-//! The program `pinwheel`: arguments, progress, exit codes, nothing else.
+//! Program `pinwheel`: arguments, progress, exit codes.
 //!
-//! The exit status is explained by `args::STATUS`.
-//! Results go to stdout, progress to stderr: a bar on a terminal, elsewhere a line a minute.
+//! `args::STATUS` explains the exit status. Results go to stdout, progress to stderr: a bar on a terminal, elsewhere a line
+//! a minute.
 //!
-//! A library, so that the extension module of the Python package holds the program too.
+//! A library, because the Python package's extension module contains the program.
 
 mod args;
 mod commands;
@@ -20,7 +20,7 @@ use std::ffi::OsString;
 use crate::args::Command;
 use crate::failure::Failure;
 
-/// Carries out one command line, whose first word is the program's name, and returns the exit status. Once in a process: it
+/// Runs one command line, which begins with the program's name, and returns the exit status. Call once a process: it
 /// installs the handler of Ctrl-C.
 #[must_use]
 pub fn main(words: Vec<OsString>) -> u8 {
@@ -39,9 +39,9 @@ pub fn main(words: Vec<OsString>) -> u8 {
         })
 }
 
-/// glibc gives a large block back to the system when it is freed, unless a larger one was freed before: without this a sweep
-/// has every page of its results mapped and cleared anew for each run, which costs a fast run a tenth of its time. Nothing of
-/// this block is ever touched. 32 MiB is the most that glibc learns from (mallopt(3), `M_MMAP_THRESHOLD`).
+/// Prevents glibc from returning freed blocks to the system. It does so unless a larger block was freed before; a sweep
+/// would then map and clear all pages of its results for each run, a tenth of a fast run's time. The block here is never
+/// touched. glibc learns from at most 32 MiB (mallopt(3), `M_MMAP_THRESHOLD`).
 fn keep_freed_memory() {
     const BYTES: usize = (32 << 20) - (1 << 16);
     drop(std::hint::black_box(Vec::<u8>::with_capacity(BYTES)));

@@ -1,4 +1,4 @@
-//! HTTP/1.1 server for a page on this machine alone: one request a connection, and a bound on every size that is sent.
+//! HTTP/1.1 server for a page on this machine: one request a connection, and a limit on every received size.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read as _, Write as _};
@@ -7,21 +7,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Bytes of a question's head at most: cookies of every other server on this machine come along, and are none of ours.
+/// Longest head of a request, bytes: it has the cookies of every other server on this machine.
 const LONGEST_HEAD: usize = 262_144;
-/// Bytes of a request's body at most.
+/// Longest body of a request, bytes.
 const LONGEST: usize = 16_384;
 const HEADERS: usize = 64;
 /// Largest number of connections at a time; a browser opens six.
 const MOST: usize = 32;
-/// Time in which a request must be sent.
+/// Time limit for sending a request.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Time for a refused client to read the reason, before the rest of its request is cut off.
+/// Time for a refused client to read the reason, before the connection closes.
 const LINGER: Duration = Duration::from_millis(200);
 /// Interval between two checks of a connection whose request is being answered.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Request of a client, as it was sent.
+/// Request of a client.
 #[derive(Debug, Default)]
 pub(crate) struct Question {
     pub(crate) method: String,
@@ -43,7 +43,7 @@ impl Question {
             .map(|(_, value)| value.as_slice())
     }
 
-    /// The value of a header; `None` where it is absent, given twice or no text.
+    /// Returns the value of a header; `None` if it is absent, given twice or no text.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         let mut values = self.headers(name);
         let value = values.next()?;
@@ -53,11 +53,11 @@ impl Question {
         }
     }
 
-    /// Reads a question from all that was sent so far; `None` where more is to come. Its length is `Content-Length` alone: a body
-    /// in chunks, and a head that gives its length twice or in two ways, are refused.
+    /// Parses a request from all bytes so far; `None` if it is incomplete. `Content-Length` alone gives its length: a body
+    /// in chunks, and a head with two lengths, are refused.
     ///
     /// # Errors
-    /// The status of an answer that states why the bytes are no request.
+    /// The status of a refusal.
     pub(crate) fn read(bytes: &[u8]) -> Result<Option<Self>, u16> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -83,7 +83,7 @@ impl Question {
         let length = match question.header("Content-Length") {
             None if question.headers("Content-Length").next().is_some() => return Err(400),
             None => 0,
-            // A sign is no digit.
+            // Digits only, no sign.
             Some(length) if !length.bytes().all(|byte| byte.is_ascii_digit()) => return Err(400),
             Some(length) => match length.parse::<usize>() {
                 Ok(length) if length <= LONGEST => length,
@@ -105,7 +105,7 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// Makes an answer. `kind` is the content type of the text.
+    /// Creates an answer; `kind` is the content type of the text.
     pub(crate) fn new(status: u16, kind: &str, text: impl Into<String>) -> Self {
         Self {
             status,
@@ -119,7 +119,7 @@ impl Answer {
         self
     }
 
-    /// Returns the answer in one piece: a second piece would wait for the first to be acknowledged.
+    /// Returns the answer in one piece, because a second piece would wait for an acknowledgement.
     fn bytes(&self) -> Vec<u8> {
         let mut head = format!(
             "HTTP/1.1 {} -\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
@@ -139,11 +139,11 @@ pub(crate) fn bind(port: u16) -> io::Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port))
 }
 
-/// Connections by number that have sent no request yet.
+/// Connections without a request, by number.
 type Idle = Arc<Mutex<BTreeMap<u64, TcpStream>>>;
 
-/// Serves requests from now on, each by a thread of its own: a slow or incomplete request delays no other one. With too many
-/// connections the oldest one without a request is closed.
+/// Serves requests, each by its own thread, so that slow or incomplete ones delay no others. With too many connections the
+/// oldest one without a request is closed.
 pub(crate) fn serve(
     listener: TcpListener,
     reply: impl Fn(&Question) -> Answer + Send + Sync + 'static,
@@ -155,7 +155,7 @@ pub(crate) fn serve(
     std::thread::spawn(move || {
         for (number, stream) in (0..).zip(listener.incoming()) {
             let Ok((stream, other)) = stream.and_then(|one| Ok((one.try_clone()?, one))) else {
-                // The limit of open files is reached, for now.
+                // The limit of open files is reached.
                 std::thread::sleep(LINGER);
                 continue;
             };
@@ -187,7 +187,7 @@ pub(crate) fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Reads what a connection asks and answers it; `asked` is told between the two.
+/// Reads and answers a connection's request; calls `asked` in between.
 fn answer(
     mut stream: TcpStream,
     reply: &dyn Fn(&Question) -> Answer,
@@ -212,7 +212,7 @@ fn answer(
     stream.write_all(&answer.bytes())?;
     stream.shutdown(Shutdown::Write)?;
     if question.is_err() {
-        // What was sent and not read would take the answer with it.
+        // Unread bytes would reset the connection and lose the answer.
         let (begun, mut rest) = (Instant::now(), Vec::new());
         while rest.len() < 1 << 20 {
             more(&mut stream, &mut rest, begun, LINGER)?;
@@ -221,7 +221,7 @@ fn answer(
     Ok(())
 }
 
-/// Sets `gone` once the client has closed the connection. The watch ends then, or at a further byte beyond the request.
+/// Sets `gone` when the client closes the connection. The watch ends then, or at a byte beyond the request.
 fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
     while !gone.load(Ordering::Relaxed) && stream.set_read_timeout(Some(LOOK)).is_ok() {
         match stream.read(&mut [0]) {
@@ -249,7 +249,7 @@ fn question(stream: &mut TcpStream) -> io::Result<Result<Question, u16>> {
     }
 }
 
-/// Reads the next bytes of a request that began at `begun` and may take the time `most`.
+/// Reads the next bytes of a request that began at `begun` and has the time limit `most`.
 fn more(
     stream: &mut TcpStream,
     bytes: &mut Vec<u8>,

@@ -1,4 +1,4 @@
-//! The program `pinwheel`; see the library beside it.
+//! Program `pinwheel`; see the library beside it.
 
 use std::process::ExitCode;
 

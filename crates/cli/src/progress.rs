@@ -1,4 +1,4 @@
-//! Progress: on a terminal a bar with the piece, the clock, and the time left where it is known; elsewhere a line a minute.
+//! Progress: on a terminal a bar with piece, clock and remaining time if known; elsewhere a line a minute.
 
 use std::io::IsTerminal as _;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,16 +11,16 @@ use pinwheel::studies::{Control, Progress};
 
 use crate::{interrupt, screen};
 
-/// Time that a task must take before it gets a bar.
+/// Duration of a task before it gets a bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Milliseconds between two redraws: engines report every sample, millions of them.
 const REDRAW_MS: u64 = 100;
-/// Time between two lines where there is no terminal.
+/// Time between two lines without a terminal.
 const LINE: Duration = Duration::from_secs(60);
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
-/// Works under a bar with the command's name; a stop that the user asked for is a failure of its own.
+/// Runs work under a bar with the command's name; a stop by the user is a separate failure.
 pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> Result<T, E> {
     interrupt::watched();
     let bar = Bar {
@@ -51,7 +51,7 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
     found
 }
 
-/// A bar that is nothing where nobody sees it.
+/// Progress bar, inactive without a reader.
 struct Bar {
     started: Instant,
     visible: bool,
@@ -70,7 +70,7 @@ impl Bar {
         let elapsed = self.started.elapsed();
         let now_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
         let due = now_ms.saturating_sub(self.drawn_ms.load(Ordering::Relaxed)) >= REDRAW_MS;
-        // The beginning of a piece is always drawn: the next report can be long in coming.
+        // The start of a piece is always drawn, because the next report can take long.
         if progress.simulated_s.is_some() && (elapsed < PATIENCE || !due) {
             return;
         }
@@ -89,7 +89,7 @@ impl Bar {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.set_prefix(screen::manner().command);
-            // Single pieces take many seconds: the clock shows that something happens.
+            // Single pieces take many seconds, so a running clock shows activity.
             bar.enable_steady_tick(Duration::from_millis(500));
             bar
         });

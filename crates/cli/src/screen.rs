@@ -1,5 +1,5 @@
-//! Writing to the terminal: colours only where they are seen, a closed pipe is no error, and nothing that a file or a
-//! name holds steers the terminal.
+//! Output to the terminal: colours only on a terminal, a closed pipe is no error, and control characters in files or names
+//! are removed.
 
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
@@ -16,13 +16,13 @@ static MANNER: OnceLock<Manner> = OnceLock::new();
 /// First paragraph of the text of a study.
 static ANSWER: OnceLock<String> = OnceLock::new();
 
-/// From now on the program speaks like this.
+/// Sets the options for the program's output.
 pub(crate) fn speak(manner: Manner) {
     manner.color.write_global();
     let _ = MANNER.set(manner);
 }
 
-/// Returns the options that say how the program speaks.
+/// Returns the options for the program's output.
 pub(crate) fn manner() -> Manner {
     MANNER.get().copied().unwrap_or_default()
 }
@@ -44,7 +44,7 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes what a study found: its text, or as it is asked for, the JSON of its folder or less.
+/// Writes the text of a study's results, or on request the JSON of its folder, or less.
 pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Failure> {
     let Manner {
         quiet,
@@ -106,7 +106,7 @@ pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     show(&as_json(value)?)
 }
 
-/// Writes a value as JSON where that is asked for, and as a text otherwise.
+/// Writes a value as JSON on request, else as a text.
 pub(crate) fn show_or_json(
     value: &impl serde::Serialize,
     text: impl FnOnce() -> String,
@@ -126,22 +126,22 @@ pub(crate) fn show_on_stderr(text: &str) {
     );
 }
 
-/// `note: ...` on one line, unless nothing but results is asked for.
+/// Writes `note: ...` on one line, except in quiet mode.
 pub(crate) fn warn(message: &str) {
     if !manner().quiet {
         show_on_stderr(&format!("note: {}", sanitize(&shortened(message), false)));
     }
 }
 
-/// `error: ...` on one line.
+/// Writes `error: ...` on one line.
 pub(crate) fn complain(message: &str) {
     let message = sanitize(&shortened(message), false);
     show_on_stderr(&format!("{}: {message}", styled(BAD, "error")));
     annotate("error", &message);
 }
 
-/// Annotates a run of GitHub Actions with an answer that is no success: an error where something differs or is worse, a warning
-/// where nothing was shown. The message is the first paragraph of the text that was shown.
+/// Annotates a run of GitHub Actions with an answer other than success: an error for differing or worse results, a warning
+/// for inconclusive ones. The message is the first paragraph of the text.
 pub(crate) fn annotate_answer(status: u8) {
     let level = match status {
         0 => return,
@@ -153,8 +153,8 @@ pub(crate) fn annotate_answer(status: u8) {
     }
 }
 
-/// Writes a workflow command of GitHub Actions to stderr, if the program runs there. A message `FILE, line N: ...` stands at
-/// that line.
+/// Writes a workflow command of GitHub Actions to stderr, if the program runs there. A message `FILE, line N: ...` refers
+/// to that line.
 fn annotate(level: &str, message: &str) {
     if std::env::var("GITHUB_ACTIONS").is_ok_and(|is_there| is_there == "true") {
         let _ = writeln!(std::io::stderr().lock(), "{}", annotation(level, message));

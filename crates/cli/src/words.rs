@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// Sets the words, the program's name first. Those of the process are others where Python runs the program.
+/// Sets the words, the program's name first. They differ from those of the process if Python runs the program.
 pub(crate) fn set(words: Vec<OsString>) {
     let _ = WORDS.set(words);
 }

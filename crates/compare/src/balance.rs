@@ -1,20 +1,20 @@
-//! The balance of the output shaft, which mechanics demands of every engine and law, in every window:
+//! Torque balance of the output shaft in a window, a law of mechanics that every engine and contact law must satisfy:
 //!
 //! ```text
 //! mean output torque + load = J (omega_end - omega_start) / T
 //! ```
-//! J holds the shaft and the output pins that it carries. The second difference of an angle is the integral of its
-//! acceleration under a triangle, so that their sum is the right-hand side without a derivative. The same triangles over the torque are
-//! (1, 10, 1)/12 of three samples (Numerov). What is left is rounding and that quadrature, whose error every other
-//! sample shows: where contacts open and close, of an order that is not known. One kink may fall where all samples and every
-//! other one miss it alike; its own triangle shows it, which is off by more than what all leave in the mean.
+//! J is the moment of inertia of the shaft with its output pins. The second difference of an angle is the integral of its
+//! acceleration under a triangle, so the sum of these differences gives the right-hand side without a derivative. The integral
+//! of the torque under such a triangle is (1, 10, 1)/12 of three samples (Numerov). Rounding and the error of this quadrature
+//! remain; the quadrature over every other sample estimates that error, whose order is unknown where contacts open and close. A
+//! kink that both sets of samples miss alike shows in its own triangle, whose remainder exceeds the mean remainder.
 
 use std::ops::Range;
 
 use pinwheel_timeseries::convergence::SAFETY_UNCONFIRMED;
 use pinwheel_timeseries::{TimeSeries, columns};
 
-/// Intervals that differ by no more than this share are equal.
+/// Relative difference below which two sample intervals are equal.
 const EQUAL: f64 = 1e-6;
 /// Fewest triangles at twice the spacing.
 const FEWEST: usize = 2;
@@ -22,7 +22,7 @@ const FEWEST: usize = 2;
 /// Remainder of the torque balance in a window, N m, and its bounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Balance {
-    /// Mean of torque and load, less that of the acceleration.
+    /// Mean of torque and load less the mean inertia torque.
     pub(crate) left_over: f64,
     /// Bound of the error of the quadrature.
     pub(crate) quadrature: f64,
@@ -30,11 +30,11 @@ pub(crate) struct Balance {
     pub(crate) rounding: f64,
 }
 
-/// Most roundings of an angle in a step; the roundings of the steps between two samples add up as a random walk.
+/// Largest number of roundings of an angle in one step; those of several steps add up as a random walk.
 const ROUNDINGS: f64 = 8.0;
 
-/// Balance of a run with so many `steps` between samples; `None` with too few equally spaced samples, or without a
-/// channel.
+/// Returns the torque balance of a run with `steps` integration steps between samples; `None` with too few equally spaced
+/// samples or a missing channel.
 pub(crate) fn of(
     time_series: &TimeSeries,
     samples: Range<usize>,

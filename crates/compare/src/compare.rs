@@ -1,4 +1,4 @@
-//! The comparison itself: participants and rules in, verdicts out.
+//! The comparison: participants and rules in, verdicts out.
 
 use std::collections::BTreeSet;
 
@@ -17,14 +17,14 @@ use crate::verdict::Counts;
 use crate::windows::{self, SETTLING_S, Window};
 use crate::{CompareError, findings, grid};
 
-/// Compares every finished run with every other on its track, window by window.
+/// Compares every finished run with every other one that shares a model with it, window by window.
 ///
 /// Runs that did not finish are listed with their reason and not judged. A single engine is no error: its figures,
-/// its uncertainties and its balance with the load remain.
+/// uncertainties and torque balance remain.
 ///
 /// # Errors
-/// No participant, two of one name, finished runs on different sample times, evidence for nobody, a stated limit
-/// that matches nothing.
+/// No participant, two participants of one name, finished runs on different sample times, evidence for an unknown participant,
+/// a stated limit without a match.
 pub fn compare(
     context: &Context,
     participants: &[Participant],
@@ -46,7 +46,7 @@ pub fn compare(
         .filter(|p| p.status.is_finished())
         .collect();
     let nothing = TimeSeries::default();
-    // The finest grid: recordings may hold a part of it.
+    // The finest sample grid; recordings may have a part of its samples.
     let finest = finished
         .iter()
         .rev()
@@ -120,7 +120,7 @@ fn matched(
         };
         let there = |q: &&Quantity| {
             let mut has = finished.iter().filter(|p| q.is_in(&p.time_series));
-            // With someone else who has it too.
+            // Some other participant must have the quantity, too.
             q.is_in(&owner.time_series) && has.any(|p| p.name != owner.name)
         };
         let shared = quantities.iter().filter(there);

@@ -1,7 +1,7 @@
 //! The result of a comparison. Serialised, this is `summary.json`.
 //!
-//! Nothing here has a direction: no engine is the truth. What has one by nature (ratios,
-//! Sprague-Geers' M) is stored for the pair as named, `a` over `b`.
+//! No figure has a direction, because no engine is the truth. Quantities that need one (ratios, Sprague-Geers' M) are those of
+//! `a` over `b`.
 
 use std::collections::BTreeMap;
 
@@ -16,14 +16,14 @@ use crate::verdict::{Assessment, Counts};
 use crate::windows::{AbsentWindow, Window, WindowKind};
 use pinwheel_timeseries::norms::Statistics;
 
-/// Everything that was compared, and how it turned out.
+/// Result of a comparison: all engines, pairs, figures and verdicts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The scene.
+    /// Facts of the scene.
     pub context: Context,
     /// True if [`exit_status`](Self::exit_status) is 0.
     pub passed: bool,
-    /// Evidence for each thing that the user brought; where that is nothing, for all engines together.
+    /// Evidence for each item that the user brought; one finding for all engines together if the user brought none.
     pub findings: Vec<Finding>,
     /// The largest U that still counts as resolved, relative.
     pub resolution: f64,
@@ -33,7 +33,7 @@ pub struct Comparison {
     pub unfinished: usize,
     /// Windows compared.
     pub windows: Vec<Window>,
-    /// Windows that could not be, with the reason.
+    /// Windows that cannot be compared, with the reason.
     pub absent_windows: Vec<AbsentWindow>,
     /// Quantities of the time series.
     pub quantities: Vec<Quantity>,
@@ -68,7 +68,7 @@ pub struct EngineSummary {
     pub track: SharedModel,
     /// Version.
     pub version: String,
-    /// One line on what it is.
+    /// One-line description of the engine.
     pub summary: String,
     /// Differences from the native solver.
     pub differences: String,
@@ -86,7 +86,7 @@ pub struct EngineSummary {
         skip_serializing_if = "Vec::is_empty"
     )]
     pub uncertainty: Vec<QuantityUncertainty>,
-    /// The runs that these rest on; `None` where there is no refinement study.
+    /// Refinement study behind these uncertainties; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementSummary>,
 }
@@ -127,7 +127,7 @@ pub struct RefinementSummary {
     pub levels: Vec<LevelSummary>,
     /// Wall time of all runs over that of the finest; `None` where times are not known.
     pub cost: Option<f64>,
-    /// Why it was not refined further, where it was not sharp enough.
+    /// Reason why the refinement stopped before the required uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
@@ -135,11 +135,11 @@ pub struct RefinementSummary {
 /// One coarser run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelSummary {
-    /// Setting over the finest run's.
+    /// Ratio of the setting to the finest run's.
     pub refinement: f64,
     /// Wall time, s.
     pub wall_s: f64,
-    /// Why it has no time series.
+    /// Reason why the run has no time series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failed: Option<String>,
 }
@@ -172,13 +172,13 @@ pub struct Figures {
     pub window: WindowKind,
     /// Per quantity, over all its channels: mean, min, max, rms, peak.
     pub quantities: BTreeMap<String, Statistics>,
-    /// Error of each figure by the signal between samples.
+    /// Error of each figure from the signal between samples.
     pub sampling: BTreeMap<String, Statistics>,
     /// Power out over power in: mean `output_torque_n_m` * mean speed of `output_angle_rad` /
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
     /// input power, and in the transient window, where energy is stored and returned.
     pub efficiency: Option<f64>,
-    /// Why there is no efficiency, or why it is above 1.
+    /// Reason why there is no efficiency, or why it exceeds 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub efficiency_reason: Option<String>,
 }
@@ -202,7 +202,7 @@ pub struct Pair {
     pub a: String,
     /// Second engine.
     pub b: String,
-    /// The foreign engine's track, or `native` for two native runs.
+    /// Model that the foreign engine shares; `native` for two native runs.
     pub track: SharedModel,
     /// One entry per window and quantity.
     pub entries: Vec<PairEntry>,
@@ -228,13 +228,13 @@ pub struct PairEntry {
 /// Pairwise comparison of all engines of a track in one window.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Matrix {
-    /// SharedModel; native engines stand in every matrix.
+    /// Shared model of the engines; native engines are in every matrix.
     pub track: SharedModel,
     /// Window.
     pub window: WindowKind,
     /// Names of rows and columns.
     pub engines: Vec<String>,
-    /// The cells below the diagonal, row by row: (1,0), (2,0), (2,1), ... The matrix is symmetric.
+    /// Cells below the diagonal, row by row: (1,0), (2,0), (2,1), ... The matrix is symmetric.
     pub cells: Vec<Cell>,
 }
 
@@ -247,14 +247,14 @@ pub struct Cell {
     pub column: usize,
     /// Index into [`Comparison::pairs`].
     pub pair: usize,
-    /// The quantity that decided.
+    /// Quantity of the gravest verdict.
     pub quantity: Option<String>,
     /// Largest relative L2 over forces (N).
     pub force: Option<f64>,
     /// Largest relative L2 over torques (N m).
     pub torque: Option<f64>,
-    /// The gravest over the pair's quantities in this window; where nothing was compared the largest relative L2 over forces
-    /// and torques.
+    /// Gravest assessment of the pair's quantities in this window; the largest relative L2 over forces and torques if nothing
+    /// was compared.
     #[serde(flatten)]
     pub result: Assessment,
 }

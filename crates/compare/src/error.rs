@@ -1,7 +1,6 @@
 //! Errors that make a comparison impossible.
 
-/// Faults of [`compare`](crate::compare). What merely cannot be judged is no error but a verdict
-/// with its reason.
+/// Faults of [`compare`](crate::compare). Participants that cannot be judged are no error: they get a verdict with its reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CompareError {
     /// Two engines' sample times differ. Time series are never interpolated: that fakes errors of 1e-3.
@@ -22,7 +21,7 @@ pub enum CompareError {
     },
     /// Two engines have a different number of samples on an otherwise equal grid.
     #[error(
-        "`{a}` has {samples_a} samples and `{b}` {samples_b}; they part after {time_s} s: write both on one grid"
+        "`{a}` has {samples_a} samples and `{b}` {samples_b}; they differ after {time_s} s: write both on one grid"
     )]
     Samples {
         /// First engine.
@@ -39,24 +38,24 @@ pub enum CompareError {
     /// Two participants of one name.
     #[error("engine `{0}` appears twice: name each engine once")]
     Duplicate(String),
-    /// Evidence for someone who does not take part, or two for one.
+    /// Evidence for an unknown participant, or two for one.
     #[error("evidence is given for `{0}`, which does not take part or has evidence already")]
     Evidence(String),
-    /// Stated limit that matches no comparison.
+    /// Stated limit without a matching comparison.
     #[error(
         "the limit on `{quantity}` in the {window} window of `{engine}` matches nothing; there are {available}"
     )]
     Unmatched {
-        /// The participant it is stated for.
+        /// Participant to which the limit applies.
         engine: String,
         /// Window of the limit.
         window: &'static str,
         /// Quantity of the limit, a pattern.
         quantity: String,
-        /// The windows and quantities there are, in words.
+        /// Available windows and quantities, in words.
         available: String,
     },
-    /// Nobody takes part.
+    /// No participant.
     #[error("no engine to compare: name at least one")]
     Empty,
 }

@@ -1,4 +1,4 @@
-//! Findings of a comparison: from the verdicts of pairs to a line for each thing that the user brought.
+//! Findings of a comparison: verdicts of pairs condensed to one line for each item that the user brought.
 
 use std::collections::BTreeMap;
 
@@ -15,8 +15,7 @@ use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 /// Pair entries of one participant, each with the name of the other.
 type Entries<'a> = Vec<(&'a str, &'a PairEntry)>;
 
-/// Findings of a comparison: one for each participant of [`Rules::brought`] and each stated limit; where there is none, one
-/// for all engines.
+/// Returns one finding for each participant of [`Rules::brought`] and each stated limit; without these, one for all engines.
 pub(crate) fn of(
     rules: &Rules<'_>,
     engines: &[EngineSummary],
@@ -83,7 +82,7 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
         let status = u8::from(of(Verdict::Differ).any(|(_, entry)| entry.result.actionable));
         return named.differs(vec![entry.quantity.clone()], &what, status);
     }
-    // The sharpest agreement of each quantity.
+    // Smallest bound of agreement of each quantity.
     let mut agree: BTreeMap<&str, f64> = BTreeMap::new();
     for (_, entry) in of(Verdict::Agree) {
         let bound = entry.result.bound.unwrap_or(f64::INFINITY);
@@ -181,7 +180,7 @@ fn together(
         |q: &&Quantity| [INPUT_TORQUE, EXTERNAL_FORCE, INTERNAL_FORCE].contains(&q.name.as_str());
     let mut headline: Vec<&Quantity> = quantities.iter().filter(is_headline).collect();
     if headline.is_empty() {
-        // Time series of no gearbox.
+        // Time series without gearbox quantities.
         headline = quantities.iter().collect();
     }
     headline.retain(|q| !is_rounding(q));
@@ -190,7 +189,7 @@ fn together(
     }
     let labels: Vec<String> = headline.iter().map(|q| q.label.to_lowercase()).collect();
     let labels = labels.join(", ");
-    // The sharpest agreement of a pair in each headline quantity.
+    // Smallest bound of agreement of a pair in each headline quantity.
     let bound = |pair: &Pair| {
         let each = headline.iter().map(|quantity| {
             let entries = pair.entries.iter();
@@ -209,7 +208,7 @@ fn together(
             .filter(|pair| pair.track != SharedModel::Measured)
     };
     let agreeing = pairs_of_engines().filter_map(|pair| Some((pair, bound(pair)?)));
-    // Two native runs show least.
+    // Agreement of two native runs is the weakest evidence.
     let best = agreeing.min_by(|(a, to_a), (b, to_b)| {
         let own = |pair: &Pair| pair.track == SharedModel::Native;
         own(a).cmp(&own(b)).then(to_a.total_cmp(to_b))

@@ -1,7 +1,7 @@
-//! The rule that time series are compared on one sample grid, and are never interpolated.
+//! Common sample times of two time series, which are never interpolated.
 //!
-//! A recorded course may hold fewer samples than a live one. Then both are compared at the samples
-//! of the recording, each of which must be one of the other's.
+//! A recording may have fewer samples than a live run. Both are then compared at the samples of the recording, which must all
+//! be samples of the live run.
 
 use std::borrow::Cow;
 
@@ -11,8 +11,8 @@ use pinwheel_timeseries::norms::rows_at;
 use crate::CompareError;
 use crate::participant::Participant;
 
-/// Sample times may differ by this part of their spacing: a rounding, which moves a course by as
-/// small a part of its change over one sample.
+/// Largest difference of sample times, as a share of their spacing: a rounding, which changes a signal by as small a share of
+/// its change over one sample.
 const SLACK: f64 = 1e-6;
 
 /// Two time series on the same samples.

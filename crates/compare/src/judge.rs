@@ -1,4 +1,4 @@
-//! From distances, uncertainties and limits to a verdict.
+//! Verdicts from distances, uncertainties and limits.
 
 use std::ops::Range;
 
@@ -14,21 +14,21 @@ use crate::validation::Budget;
 use crate::verdict::{self, Allowed, Assessment, Side, Verdict};
 use crate::windows::Window;
 
-/// Inputs of a verdict besides the numbers.
+/// Inputs of a verdict beside the figures.
 #[derive(Clone, Copy)]
 pub(crate) struct Judge<'a> {
     /// Limits, evidence, tolerances.
     pub(crate) rules: &'a Rules<'a>,
-    /// The scene: its friction, its divergence horizon.
+    /// Facts of the scene, with its friction and divergence horizon.
     pub(crate) context: &'a Context,
     /// Force (N) and torque (N m) below which a load is rounding.
     pub(crate) negligible: Negligible,
 }
 
-/// Angles below this are roundings of a radian.
+/// Angle below which a difference is a rounding, rad.
 const ROUNDED_RAD: f64 = 1e-15;
 
-/// Loads below these are rounding.
+/// Loads below which a figure is rounding.
 #[derive(Clone, Copy)]
 pub(crate) struct Negligible {
     force_n: f64,
@@ -36,7 +36,8 @@ pub(crate) struct Negligible {
 }
 
 impl Negligible {
-    /// From the scene's own sizes, or where they are not stated from the largest loads there are.
+    /// Returns the negligible loads from the scene's scales, or from the largest loads of the time series where the scene
+    /// states none.
     pub(crate) fn of(
         context: &Context,
         finished: &[&Participant],
@@ -60,19 +61,19 @@ impl Negligible {
         }
     }
 
-    /// Negligible size of a quantity, in its unit; `None` for quantities that are neither a load nor an angle.
+    /// Returns the negligible size of a quantity in its unit; `None` for quantities that are neither a load nor an angle.
     pub(crate) fn below(&self, quantity: &Quantity) -> Option<f64> {
         match quantity.unit.as_str() {
             "N" => Some(self.force_n),
             "N m" => Some(self.torque_n_m),
-            // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
+            // An angle has no scale: a gear that stands still turns by roundings of a radian.
             "rad" => Some(ROUNDED_RAD),
             _ => None,
         }
     }
 }
 
-/// Two engines and the track they are compared on.
+/// Two engines and the model that they share.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
     pub(crate) track: SharedModel,
@@ -108,7 +109,7 @@ impl<'a> Case<'a> {
         })
     }
 
-    /// A distance that has no value.
+    /// Assesses a distance that is not finite.
     fn not_finite(&self, metric: Metric) -> Assessment {
         let Sides { a, b, .. } = self.sides;
         let spoiled = |p: &&Participant| {
@@ -126,8 +127,8 @@ impl<'a> Case<'a> {
 }
 
 impl Judge<'_> {
-    /// Marks an inconclusive verdict as one without an action, if its participant gives a final reason or if a rounding
-    /// parts runs of the scene itself.
+    /// Marks an inconclusive verdict as one without an action, if its participant gives a final reason or the scene itself
+    /// amplifies rounding.
     fn settled(&self, found: Assessment, pointwise: bool) -> Assessment {
         let own = found.participant.as_ref();
         let own = own.and_then(|name| self.rules.evidence_of(name));
@@ -171,7 +172,7 @@ impl Judge<'_> {
         found
     }
 
-    /// Limits stated for measured data.
+    /// Compares a pair with the limits stated for measured data.
     fn limits(&self, case: &Case<'_>) -> Vec<Assessment> {
         let Sides { a, b, .. } = case.sides;
         let rows = self.rules.stated.iter().filter(|row| {
@@ -186,7 +187,7 @@ impl Judge<'_> {
         .collect()
     }
 
-    /// Two participants of one law: any difference beyond the uncertainties is a finding.
+    /// Compares two participants with one contact law: any difference beyond the uncertainties is a finding.
     fn one_law(&self, case: &Case<'_>) -> Vec<Assessment> {
         let assess = |metric: Metric| {
             let decides = match case.pointwise {
@@ -204,7 +205,8 @@ impl Judge<'_> {
         case.metrics().filter_map(assess).collect()
     }
 
-    /// At least one contact model of its own: the interval of the difference, against what the engine states.
+    /// Compares two participants of which at least one has its own contact model: interval of the difference against the stated
+    /// tolerance.
     fn models(&self, case: &Case<'_>) -> Vec<Assessment> {
         let Sides { a, b, .. } = case.sides;
         let friction = self.context.friction_coefficient > 0.0;
@@ -268,9 +270,9 @@ impl Judge<'_> {
         found
     }
 
-    /// A simulation against measured data whose owner states their uncertainty.
+    /// Compares a simulation with measured data of stated uncertainty.
     fn measured(&self, case: &Case<'_>) -> Vec<Assessment> {
-        // E = S - D. Place of the simulation, and the sign of a difference a - b in that.
+        // E = S - D: index of the simulation S, and the sign that turns a - b into E.
         let (simulation, sign) = match [case.sides.a, case.sides.b].map(|p| p.track) {
             [SharedModel::Measured, SharedModel::Measured] => return Vec::new(),
             [SharedModel::Measured, _] => (1, -1.0),
@@ -314,8 +316,8 @@ impl Judge<'_> {
         metrics.map(assess).into()
     }
 
-    /// Judges the balance of one engine's output shaft in a window of constant load, on any scene: this is mechanics. `u`: the
-    /// uncertainty of the mean torque, N m, which widens the bound; where it is not known, what is beyond is inconclusive.
+    /// Judges the torque balance of one engine's output shaft in a window of constant load. The uncertainty `u` of the mean
+    /// torque, N m, widens the bound; if it is unknown, a larger remainder is inconclusive.
     pub(crate) fn load(
         &self,
         engine: &Participant,
@@ -339,7 +341,7 @@ impl Judge<'_> {
         );
         if quadrature > self.rules.resolution {
             return Assessment::not_compared(format!(
-                "the samples are too far apart for the mean output torque: it is known to {quadrature:.1e} of the load"
+                "the samples are too far apart for the mean output torque, which is uncertain by {quadrature:.1e} of the load"
             ));
         }
         let left_over = share(balance.left_over.abs());
@@ -349,7 +351,7 @@ impl Judge<'_> {
                 Metric::MeanAgainstLoad,
                 left_over.is_finite().then_some(left_over),
                 rounding + quadrature + own,
-                "In the mean, contact forces and load give the output shaft its acceleration, whatever the law and engine.",
+                "On average, contact forces and load give the output shaft its acceleration, for any law and engine.",
             )
         };
         let found = if !(own <= self.rules.resolution) {
@@ -370,7 +372,7 @@ impl Judge<'_> {
     }
 }
 
-/// One side's uncertainty in a metric, relative as the metric is.
+/// Returns one side's uncertainty in a metric, relative as the metric is.
 fn relative(
     of: Option<&QuantityUncertainty>,
     metric: Metric,
@@ -380,7 +382,7 @@ fn relative(
     match of.map(|of| of.of(norm)) {
         None => Err(Unresolved::new(
             "its numerical uncertainty is not known",
-            "give the runs of its refinement study, or a recording that holds its uncertainty",
+            "give the runs of its refinement study, or a recording with its uncertainty",
         )),
         Some(Uncertainty::Unknown(missing)) => Err(missing.clone()),
         Some(Uncertainty::Known(estimate)) => {

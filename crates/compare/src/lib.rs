@@ -1,8 +1,8 @@
 //! Metrics, uncertainties and verdicts on the time series of several engines.
 //!
-//! [`compare`] takes finished (and unfinished) runs on one sample grid and says, per pair of engines, window
-//! and quantity, how far they are apart and what follows. No engine is called the truth: every judged metric is free
-//! of direction. It works on any time series; what only a gearbox has (load, efficiency) is optional.
+//! [`compare`] takes runs on one sample grid, finished or not. For each pair of engines, window and quantity it returns the
+//! distance and a verdict. No engine is the truth: every judged metric is free of direction. Time series may be of any kind;
+//! load and efficiency, which only a gearbox has, are optional.
 //!
 //! ```text
 //!  runs of engine A: step h, 2h, 4h ──> uA ─┐
@@ -11,7 +11,7 @@
 //!  A at h against B at h ────────────────────────────> D ───┘   U > resolution   inconclusive, with the remedy
 //! ```
 //!
-//! * [`uncertainty`]: the numerical uncertainty u of a run, from the same engine's runs at coarser settings.
+//! * [`uncertainty`]: numerical uncertainty u of a run, from the same engine's runs at coarser settings.
 //! * [`verdict`]: the four verdicts.
 //! * [`shown`]: evidence for what the user brought, and [`Comparison::exit_status`].
 //! * [`model`]: engines with a contact model of their own, whose difference is an interval against a prediction.

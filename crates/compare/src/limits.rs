@@ -1,4 +1,4 @@
-//! Limits that users state, and which quantities and engines they are about.
+//! Limits that users state, with patterns for their quantities and engines.
 //!
 //! Patterns: `*` stands for any characters, `|` separates alternatives.
 
@@ -19,25 +19,25 @@ pub enum Friction {
     With,
 }
 
-/// A limit that the owner of measured data states.
+/// Limit that the owner of measured data states.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StatedLimit {
     /// Name of the participant.
     pub engine: String,
     /// Window.
     pub window: WindowKind,
-    /// Quantity, a pattern.
+    /// Pattern of quantities.
     pub quantity: String,
     /// Metric.
     pub metric: Metric,
-    /// The limit itself.
+    /// Largest permitted value of the metric.
     pub limit: f64,
-    /// Why it is what it is.
+    /// Reason of the limit, in the owner's words.
     pub reason: String,
 }
 
-/// Forces and torques below this share of the scene's own scale are rounding, and are not judged: 16 digits, times
-/// some ten thousand for what 28 bodies and a solver add.
+/// Share of the scene's scale below which forces and torques are rounding and are not judged: 1e-16 times the ten thousand
+/// roundings that 28 bodies and a solver add up.
 pub const NEGLIGIBLE_SHARE: f64 = 1e-11;
 
 /// True if `text` fits one of the alternatives of `pattern`.

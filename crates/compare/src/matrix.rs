@@ -1,8 +1,7 @@
-//! The pairwise matrices: all engines of one track against each other.
+//! Pairwise matrices: all engines with one shared model against each other.
 //!
-//! Tracks are never mixed: a shared-law run cannot find an error in the law, an own-contact run
-//! differs by per cents on purpose; in one table each would hide the other. Native engines stand
-//! in every matrix.
+//! Shared models are never mixed. A shared-law run cannot reveal an error of the law, and an own-contact run differs by per
+//! cents on purpose; in one table each would hide the other. Native engines are in every matrix.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +12,7 @@ use crate::quantities::Quantity;
 use crate::verdict::Assessment;
 use crate::windows::Window;
 
-/// Returns the track on which two engines are compared; `None` if they must not be compared.
+/// Returns the shared model under which two engines are compared; `None` if they must not be compared.
 pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<SharedModel> {
     match (a.track, b.track) {
         (a, b) if a == b => Some(a),
@@ -22,7 +21,7 @@ pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<SharedModel> 
     }
 }
 
-/// One matrix per track and window. `native` has one of its own only if no other track does.
+/// Returns one matrix per shared model and window. `native` has one only if no other model does.
 pub(crate) fn matrices(
     finished: &[&Participant],
     pairs: &[Pair],
@@ -59,7 +58,7 @@ pub(crate) fn matrices(
     matrices
 }
 
-/// `None` where the two were not compared.
+/// Returns the cell of two engines; `None` if they were not compared.
 fn cell(
     [row, column]: [usize; 2],
     engines: &[String],
@@ -67,7 +66,7 @@ fn cell(
     quantities: &[Quantity],
     window: &Window,
 ) -> Option<Cell> {
-    // Engines and pairs have one order, so the smaller index is always `a`.
+    // Engines and pairs have the same order, so the smaller index is always `a`.
     let both = |p: &Pair| p.a == engines[column] && p.b == engines[row];
     let pair = pairs.iter().position(both)?;
     let entries = || {

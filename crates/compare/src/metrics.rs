@@ -1,10 +1,9 @@
 //! Distances between two time series.
 //!
-//! For a pair (a, b) no engine is the truth, so every denominator is **the larger of the two**:
-//! relative L2 = RMS(a - b) / max(RMS a, RMS b), and so on. Swapping the engines changes nothing,
-//! scaling both changes nothing, and only two all-zero time series would divide 0 by 0: they agree, 0.
-//! Against the usual denominator, the RMS of one time series, the figure differs by no more than its
-//! own size: 1e-4 stays 1e-4 within 1e-8.
+//! No engine is the truth, so every denominator is **the larger of the two**: relative L2 = RMS(a - b) / max(RMS a, RMS b), and
+//! so on. Swapping or scaling both time series changes nothing. Two all-zero time series agree: 0/0 counts as 0. Compared with
+//! the usual denominator, the RMS of one time series, the relative change of the figure is its own size: 1e-4 stays 1e-4 within
+//! 1e-8.
 
 use serde::{Serialize, Serializer};
 
@@ -16,9 +15,9 @@ use pinwheel_timeseries::norms::{self, View};
 pub struct Row {
     /// Metric that the row describes.
     pub metric: Metric,
-    /// The word in files, maps and the terminal.
+    /// Name of the metric in files, maps and on the terminal.
     pub key: &'static str,
-    /// For readers.
+    /// Name of the metric for readers.
     pub label: &'static str,
     /// The uncertainty that carries over to it: the change of a run that bounds its change.
     pub norm: Norm,
@@ -74,20 +73,20 @@ impl Metric {
         &METRICS[self as usize]
     }
 
-    /// The word in files, maps and the terminal.
+    /// Returns the name in files, maps and on the terminal.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.row().key
     }
 
-    /// For readers.
+    /// Returns the name for readers.
     #[must_use]
     pub fn label(self) -> &'static str {
         self.row().label
     }
 
-    /// True if the metric compares two runs sample by sample, which means nothing once a rounding has driven two runs
-    /// of one solver apart.
+    /// True if the metric compares two runs sample by sample, which is meaningless once rounding has driven two runs of one
+    /// solver apart.
     #[must_use]
     pub fn is_pointwise(self) -> bool {
         matches!(self.row().norm, Norm::L2 | Norm::Linf)
@@ -98,7 +97,7 @@ impl Metric {
         (self.row().of)(metrics)
     }
 
-    /// Returns the largest change of the metric under the uncertainty that carries over to it, both relative.
+    /// Returns the largest ratio of the metric's change to the uncertainty that applies to it, both relative.
     pub(crate) fn sensitivity(self) -> f64 {
         self.row().sensitivity
     }
@@ -116,8 +115,7 @@ impl Serialize for Metric {
     }
 }
 
-/// Every metric of one quantity of a pair. `None` where a value is not finite or a course is
-/// empty.
+/// Every metric of one quantity of a pair; `None` where a value is not finite or a signal is empty.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairMetrics {
     /// RMS(a - b) / max(RMS a, RMS b) over all channels and samples.
@@ -150,9 +148,9 @@ pub struct PairMetrics {
     pub peak_ratio: Option<f64>,
     /// RMS a / RMS b.
     pub rms_ratio: Option<f64>,
-    /// Sprague-Geers error of `a` measured on `b`; `None` where `a` or `b` is zero throughout.
+    /// Sprague-Geers error of `a` relative to `b`; `None` where `a` or `b` is zero throughout.
     pub sprague_geers: Option<SpragueGeers>,
-    /// Free of direction: sqrt(M^2 + P^2) with M = larger RMS / smaller RMS - 1.
+    /// Sprague-Geers error without direction: sqrt(M^2 + P^2) with M = larger RMS / smaller RMS - 1.
     pub sprague_geers_c: Option<f64>,
 }
 
@@ -214,7 +212,7 @@ impl PairMetrics {
 }
 
 impl PairMetrics {
-    /// Reference size of an uncertainty in a norm, in the quantity's unit: the larger figure of the two runs.
+    /// Returns the reference size of an uncertainty in a norm, in the quantity's unit: the larger figure of the two runs.
     pub(crate) fn larger(&self, norm: Norm) -> Option<f64> {
         match norm {
             Norm::L2 | Norm::Rms => self.larger_rms,
@@ -236,7 +234,8 @@ impl PairMetrics {
     }
 }
 
-/// `difference` over the larger magnitude of the two; 0 for 0/0, `None` if one is not there or the result is not finite.
+/// Returns `difference` over the larger magnitude of the two; 0 for 0/0, `None` if a value is missing or the result is not
+/// finite.
 fn over_larger(difference: Option<f64>, both: Option<(f64, f64)>) -> Option<f64> {
     let (difference, (a, b)) = difference.zip(both)?;
     let larger = a.abs().max(b.abs());
@@ -246,17 +245,17 @@ fn over_larger(difference: Option<f64>, both: Option<(f64, f64)>) -> Option<f64>
     Some(difference.abs() / larger).filter(|value| value.is_finite())
 }
 
-/// Relative difference of two figures, free of direction.
+/// Returns the relative difference of two figures, free of direction.
 fn apart(both: Option<(f64, f64)>) -> Option<f64> {
     over_larger(both.map(|(a, b)| a - b), both)
 }
 
-/// a / b; `None` unless finite.
+/// Returns a / b; `None` unless finite.
 fn ratio(both: Option<(f64, f64)>) -> Option<f64> {
     both.map(|(a, b)| a / b).filter(|value| value.is_finite())
 }
 
-/// Relative L2 of the last sample over all channels.
+/// Returns the relative L2 of the last sample over all channels.
 fn end_value(a: &View<'_>, b: &View<'_>) -> Option<f64> {
     let last = |view: &View<'_>| -> Option<Vec<f64>> {
         let channels = view.channels().iter();

@@ -1,7 +1,7 @@
 //! Stated tolerances of engines whose contact model differs from the native one.
 //!
-//! These are statements on models, not on scenes: a bed of 4000 springs resolves a contact patch to so much, a
-//! polyline disc with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
+//! Tolerances belong to models, not to scenes: they state how far a bed of 4000 springs, or a polyline disc with one linear
+//! spring, is from the native contact. They apply to any gear; a scene that exceeds one is a finding.
 
 use serde::Serialize;
 
@@ -14,29 +14,29 @@ use crate::windows::{Window, WindowKind};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prediction {
-    /// None: the models aim at the same number.
+    /// No predicted difference: both models compute the same value.
     Same,
-    /// The driver needs less power by what the contact law creates: the remainder of the native energy account as a
-    /// share of the larger work. 0 for a law with a potential.
+    /// Energy created by the contact law, which the driver need not supply: the remainder of the native energy account as a
+    /// share of the larger work; 0 for a law with a potential.
     LawEnergy,
 }
 
-/// One statement.
+/// Stated tolerance of an engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ModelTolerance {
     /// Frictionless scenes, those with friction, or all.
     pub friction: Friction,
     /// Window; `None` for all.
     pub window: Option<WindowKind>,
-    /// Quantity, a pattern.
+    /// Pattern of quantities.
     pub quantity: &'static str,
     /// Metric.
     pub metric: Metric,
-    /// The difference predicted.
+    /// Predicted difference.
     pub predicted: Prediction,
-    /// Tolerance around the prediction, beside numerical uncertainty.
+    /// Tolerance around the prediction, in addition to numerical uncertainty.
     pub tolerance: f64,
-    /// Why.
+    /// Reason of the tolerance.
     pub reason: &'static str,
 }
 
@@ -52,7 +52,7 @@ impl ModelTolerance {
     }
 }
 
-/// The account of the part of the run that a window is, or that overlaps it most; `None` without an account.
+/// Returns the energy account of the window, or of the part of the run that overlaps it most; `None` without an account.
 #[doc(hidden)]
 pub fn account<'a>(participant: &'a Participant, window: &Window) -> Option<&'a Energy> {
     let overlap = |e: &Energy| e.overlap(window.from_s, window.to_s);
@@ -64,9 +64,9 @@ pub fn account<'a>(participant: &'a Participant, window: &Window) -> Option<&'a 
         .max_by(|a, b| overlap(a).total_cmp(&overlap(b)))
 }
 
-/// The difference of the mean driver torques predicted from both energy accounts, signed as
-/// [`signed_mean_difference`](crate::metrics::PairMetrics::signed_mean_difference): energy that a law creates the
-/// driver need not bring. An engine without an account is taken to create none; `None` if neither keeps one.
+/// Returns the difference of the mean driver torques predicted from both energy accounts, signed as
+/// [`signed_mean_difference`](crate::metrics::PairMetrics::signed_mean_difference): the driver need not supply energy that a
+/// law creates. An engine without an account counts as creating none; `None` if neither engine has one.
 #[doc(hidden)]
 pub fn predicted(a: &Participant, b: &Participant, window: &Window) -> Option<f64> {
     let share = |p: &Participant| account(p, window)?.remainder_share;

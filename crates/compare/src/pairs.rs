@@ -38,7 +38,7 @@ pub(crate) fn pair(
     })
 }
 
-/// `None` if neither engine has the quantity.
+/// Returns the entry of one quantity; `None` if neither engine has it.
 fn pair_entry(
     sides: Sides<'_>,
     engines: &[EngineSummary],
@@ -86,7 +86,7 @@ fn pair_entry(
     };
     let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {
         if *quantity != *whole {
-            // A rig has some of the pins only: the uncertainty of those.
+            // A test rig measures only some of the pins: their uncertainty counts.
             let samples = p.time_series.window(window.from_s, window.to_s);
             return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);
         }

@@ -1,4 +1,4 @@
-//! Inputs of a comparison: runs of several engines on one scene, and the known facts of the scene.
+//! Inputs of a comparison: runs of several engines on one scene, and the facts of the scene.
 
 use pinwheel_timeseries::TimeSeries;
 pub use pinwheel_timeseries::{
@@ -13,11 +13,11 @@ use crate::windows::Window;
 pub struct Participant {
     /// Engine name, unique within a comparison.
     pub name: String,
-    /// Track: the comparison to which the participant belongs.
+    /// Model shared with the native solver; selects the engines with which it is compared.
     pub track: SharedModel,
     /// Version of the engine.
     pub version: String,
-    /// One line on what it is.
+    /// One-line description of the engine.
     pub summary: String,
     /// Differences from the native solver, in plain words.
     pub differences: String,
@@ -29,46 +29,46 @@ pub struct Participant {
     pub status: Status,
 }
 
-/// Facts of the scene that a comparison needs. Only `scene` and `duration_s` are needed for time series that are not of
-/// a gearbox. A figure or verdict whose fact is `None` is left out.
+/// Facts of the scene that a comparison needs. Time series that are not of a gearbox need only `scene` and `duration_s`.
+/// Figures and verdicts whose fact is `None` are left out.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Context {
     /// Scene name.
     pub scene: String,
-    /// Why the scene exists, one sentence, or empty.
+    /// Purpose of the scene in one sentence, or empty.
     pub description: String,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Torque of the load on the output shaft, N m. Of a load that changes the last one, which is that of a steady window.
+    /// Load torque on the output shaft, N m: the last one of a changing load, which applies in a steady window.
     pub load_n_m: Option<f64>,
-    /// From here on the load is that, s.
+    /// Time from which the load is `load_n_m`, s.
     #[serde(skip)]
     pub load_from_s: f64,
-    /// Moment of inertia that contact forces and load turn, kg m^2: the output shaft with its output pins. Without it no
-    /// balance is judged.
+    /// Moment of inertia that contact forces and load accelerate, kg m^2: output shaft with its output pins. Without it no
+    /// torque balance is judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_inertia_kg_m2: Option<f64>,
-    /// Times at which the load changes or comes to the end of a change, s, increasing.
+    /// Start and end times of load changes, s, increasing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub load_changes_s: Vec<f64>,
     /// Angular velocity of the driver, rad/s.
     pub input_speed_rad_s: Option<f64>,
     /// Coefficient of friction; 0 chooses the tolerances of frictionless scenes.
     pub friction_coefficient: f64,
-    /// Time in which the start-up transient has decayed, s; `None` takes
-    /// [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that starts in equilibrium.
+    /// Decay time of the start-up transient, s; `None` takes [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that
+    /// starts in equilibrium.
     pub settling_s: Option<f64>,
-    /// Measured effect of a rounding on the scene; `None` where it was not measured.
+    /// Measured effect of a rounding on the scene; `None` if not measured.
     pub divergence: Option<Divergence>,
-    /// Sizes that tell a load from a rounding; what is `None` is taken from the time series themselves.
+    /// Sizes that distinguish a load from a rounding; each `None` is derived from the time series.
     #[serde(skip_serializing_if = "Scales::is_empty")]
     pub scales: Scales,
 }
 
-/// Characteristic sizes of a scene, so that no verdict depends on how large the gear is.
+/// Characteristic sizes of a scene, so that verdicts do not depend on the size of the gear.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Scales {
-    /// Force, N: e.g. the load over the radius it acts at.
+    /// Force, N: e.g. the load over its radius.
     pub force_n: Option<f64>,
     /// Torque, N m: e.g. the load.
     pub torque_n_m: Option<f64>,
@@ -83,17 +83,17 @@ impl Scales {
 /// Growth of the difference between two runs of one solver that start one rounding apart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Divergence {
-    /// From here on the time_series differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
-    /// `None`: not within the run.
+    /// Time from which the time series differ visibly, s, so that only their statistics (mean, peak, RMS) can be compared;
+    /// `None` if they do not within the run.
     pub horizon_s: Option<f64>,
     /// Largest difference, as a share of the largest force.
     pub largest_share: f64,
-    /// One sentence for the reader: how it was measured and what follows.
+    /// One sentence for readers: the measurement and its consequence.
     pub told: String,
 }
 
 impl Context {
-    /// Load (N m) and inertia (kg m^2) of the output in a window throughout which the load is the last one.
+    /// Returns load (N m) and inertia (kg m^2) of the output if the load is the last one throughout the window.
     pub(crate) fn output(&self, window: &Window) -> Option<[f64; 2]> {
         let load = self
             .load_n_m

@@ -3,19 +3,19 @@
 use pinwheel_timeseries::{TimeSeries, group_of, stem_and_unit};
 use serde::Serialize;
 
-/// Torque the driver exerts on the input shaft, where time series have it.
+/// Torque of the driver on the input shaft.
 pub use pinwheel_timeseries::columns::INPUT_TORQUE;
-/// Angle of the output shaft, where time series have it.
+/// Angle of the output shaft.
 pub use pinwheel_timeseries::columns::OUTPUT_ANGLE;
-/// Torque on the output shaft without its load, where time series have it.
+/// Torque on the output shaft without its load.
 pub use pinwheel_timeseries::columns::OUTPUT_TORQUE;
 
-/// One thing that is compared, e.g. `external_sleeve_force_n` with its 16 channels.
+/// Compared quantity, e.g. `external_sleeve_force_n` with its 16 channels.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Quantity {
-    /// Channel name, or the group's without the number.
+    /// Name of the channel, or of the group without the number.
     pub name: String,
-    /// For readers, e.g. `External sleeve force`.
+    /// Name for readers, e.g. `External sleeve force`.
     pub label: String,
     /// Unit taken from the name's suffix, e.g. `N m`; empty if unknown.
     pub unit: String,
@@ -55,34 +55,34 @@ impl Quantity {
         channels.any(|name| time_series.channel(name).is_some())
     }
 
-    /// A force or a torque: what the matrices show.
+    /// True for a force or a torque, the quantities of the matrices.
     #[must_use]
     pub fn is_load(&self) -> bool {
         self.is_force() || self.is_torque()
     }
 
-    /// Returns true for a quantity in newtons.
+    /// True for a quantity in newtons.
     #[must_use]
     pub fn is_force(&self) -> bool {
         self.unit == "N"
     }
 
-    /// Returns true for a quantity in newton metres.
+    /// True for a quantity in newton metres.
     #[must_use]
     pub fn is_torque(&self) -> bool {
         self.unit == "N m"
     }
 }
 
-/// Label of the quantity of that name for readers, and its unit; empty if unknown.
+/// Returns the label of the quantity `name` for readers, and its unit; empty if unknown.
 #[must_use]
 pub fn label_and_unit(name: &str) -> (String, String) {
     let Quantity { label, unit, .. } = Quantity::new(name);
     (label, unit)
 }
 
-/// The quantities of all time series together, in the order of their first appearance; numbered
-/// channels of one name form one quantity, ordered by number.
+/// Returns the quantities of all time series in the order of their first appearance; numbered channels of one name form one
+/// quantity, ordered by number.
 #[must_use]
 pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<Quantity> {
     type Members = Vec<(Option<usize>, String)>;

@@ -1,11 +1,11 @@
-//! Rules by which verdicts are made.
+//! Rules of the verdicts.
 
 use crate::limits::StatedLimit;
 use crate::model::ModelTolerance;
 use crate::uncertainty::Evidence;
 use crate::validation::DataUncertainty;
 
-/// Rules by which verdicts are made. `Rules::default()` has neither tables nor evidence.
+/// Rules of the verdicts. `Rules::default()` has neither tables nor evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a> {
     /// Names of the participants that the user brought: solvers and records. [`findings`](crate::Comparison::findings) has a line
@@ -13,10 +13,10 @@ pub struct Rules<'a> {
     pub brought: &'a [&'a str],
     /// Limits stated for measured participants.
     pub stated: &'a [StatedLimit],
-    /// Numerical uncertainty of the participants. With evidence for one, whatever is compared with others without is
-    /// *inconclusive*; without any, engines are not compared at all.
+    /// Numerical uncertainty of the participants. If any participant has evidence, a comparison with one that has none is
+    /// *inconclusive*; without evidence for any, engines are not compared.
     pub evidence: &'a [Evidence],
-    /// Stated tolerances of engines, by their names, against the native model; of each quantity and metric the first that fits counts.
+    /// Stated tolerances of engines, by name, against the native model; for each quantity and metric the first match applies.
     pub tolerances: &'a [(&'a str, ModelTolerance)],
     /// Uncertainty of measured data and of the inputs.
     pub data: &'a [DataUncertainty],
@@ -25,7 +25,7 @@ pub struct Rules<'a> {
 }
 
 impl Rules<'_> {
-    /// The evidence of a participant.
+    /// Returns the evidence of a participant.
     pub(crate) fn evidence_of(&self, name: &str) -> Option<&Evidence> {
         self.evidence.iter().find(|one| one.engine == name)
     }
@@ -44,5 +44,5 @@ impl Default for Rules<'_> {
     }
 }
 
-/// One per cent.
+/// Default resolution: 1 %.
 pub const RESOLUTION: f64 = 0.01;

@@ -1,18 +1,18 @@
-//! Evidence for each thing that a user brought: a solver, a record, a limit; without any, for the engines together.
+//! Evidence for each item that a user brought: a solver, a record, a limit; without any, for the engines together.
 //!
-//! Status 0 rests on these: a comparison in which nothing was shown of something brought has not passed.
+//! Exit status 0 requires it: a comparison without evidence for an item has not passed.
 
 use serde::Serialize;
 
-/// Kind of thing that a [`Finding`] is about.
+/// Kind of the item of a [`Finding`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// A solver of the user's.
+    /// Solver of the user's.
     Solver,
-    /// A record: another program's export, a test rig's log.
+    /// Record: another program's export, a test rig's log.
     Record,
-    /// A limit of a record's map.
+    /// Limit in a record's map.
     Limit,
     /// All engines together, where the user brought no data or engine.
     Engines,
@@ -26,16 +26,16 @@ pub enum Shown {
     Agrees,
     /// Difference in the quantity listed.
     Differs,
-    /// No deciding quantity was shown to agree or to differ.
+    /// Neither agreement nor difference in any deciding quantity.
     Nothing,
 }
 
-/// One thing that the user brought, and the evidence for or against it.
+/// Item that the user brought, with the evidence for or against it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// Name of the participant, or of the limit.
     pub name: String,
-    /// Kind of thing.
+    /// Kind of the item.
     pub kind: Kind,
     /// Outcome.
     pub shown: Shown,
@@ -43,13 +43,13 @@ pub struct Finding {
     pub quantities: Vec<String>,
     /// Relative bound that all agreeing quantities respect; `None` where nothing agrees.
     pub agrees_to: Option<f64>,
-    /// Share of the program's exit status: 0, 1 or 4.
+    /// Contribution to the program's exit status: 0, 1 or 4.
     pub status: u8,
     /// One sentence for readers, which begins with the name.
     pub line: String,
 }
 
-/// Name and kind of what a finding is about.
+/// Name and kind of the item of a finding.
 pub(crate) struct Named<'a> {
     pub(crate) name: &'a str,
     pub(crate) kind: Kind,

@@ -1,8 +1,8 @@
 //! Sprague and Geers' errors of magnitude and phase.
 //!
-//! With I_ab = mean(a b) over all channels and samples, m the base and c the other course:
-//! M = sqrt(I_cc / I_mm) - 1, P = acos(I_mc / sqrt(I_mm I_cc)) / pi, C = sqrt(M^2 + P^2).
-//! A course scaled by 1.2 has M = 0.2, P = 0.
+//! With I_ab = mean(a b) over all channels and samples, m the base and c the other signal: M = sqrt(I_cc / I_mm) - 1, P =
+//! acos(I_mc / sqrt(I_mm I_cc)) / pi, C = sqrt(M^2 + P^2).
+//! A signal scaled by 1.2 has M = 0.2, P = 0.
 //!
 //! Sources: Sprague and Geers, Int. J. Numer. Meth. Engng 60 (2004) 2467; Schwer, Engineering
 //! with Computers 23 (2007) 295.
@@ -11,21 +11,21 @@ use serde::Serialize;
 
 use pinwheel_timeseries::norms::View;
 
-/// The three errors.
+/// Errors of magnitude and phase, and their combination.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SpragueGeers {
-    /// M: error of magnitude; positive when larger than the base. Has a direction.
+    /// M: error of magnitude; positive when larger than the base. It depends on the choice of the base.
     pub magnitude: f64,
-    /// P: error of phase and form, 0 to 1. Has none.
+    /// P: error of phase and form, 0 to 1, independent of the choice of the base.
     pub phase: f64,
     /// C = sqrt(M^2 + P^2).
     pub comprehensive: f64,
 }
 
-/// Evaluates the errors of `course` measured on `base`, two views of one shape.
+/// Evaluates the errors of `course` relative to `base`, two views of one shape.
 ///
-/// Two all-zero time series agree: all errors are 0. `None` if only one is zero (M or P has no
-/// value then), if the shapes differ, or if a value is not finite.
+/// Two all-zero time series agree: all errors are 0. `None` if only one is zero, if the shapes differ, or if a value is not
+/// finite.
 #[must_use]
 pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers> {
     if !course.same_shape(base) {
@@ -43,9 +43,8 @@ pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers>
         return None;
     }
     let magnitude = rms_c / rms_m - 1.0;
-    // The angle between the two as vectors. acos loses half of the digits where the time series
-    // almost agree, which is where we are; Kahan's form, 2 atan2(|u - v|, |u + v|) of the unit
-    // vectors, keeps them all.
+    // Angle between the two as vectors. acos loses half of the digits where the time series almost agree, the usual case;
+    // Kahan's form, 2 atan2(|u - v|, |u + v|) of the unit vectors, keeps them all.
     let (mut apart, mut together) = (0.0, 0.0);
     for (c, m) in course.values().zip(base.values()) {
         let (u, v) = (c / rms_c, m / rms_m);
@@ -60,7 +59,7 @@ pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers>
     })
 }
 
-/// C without direction: M is taken of the larger course on the smaller.
+/// Returns C without direction: M is that of the larger signal relative to the smaller.
 #[must_use]
 pub fn comprehensive(a: &View<'_>, b: &View<'_>) -> Option<f64> {
     Some(

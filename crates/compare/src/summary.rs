@@ -1,4 +1,4 @@
-//! One engine alone: its figures, its uncertainties, its balance with the load.
+//! Results of one engine: figures, uncertainties and torque balance.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,17 +20,17 @@ use crate::uncertainty::{
 };
 use crate::windows::{self, SETTLING_S, Window, WindowKind};
 
-/// Error of a run due to rounding alone, as a share.
+/// Returns the error of a run from rounding alone, as a share.
 fn floor(participant: &Participant, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
-    // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
+    // Measured effect of a rounding on the scene, unless rounding drives the runs apart.
     let measured = context.divergence.as_ref();
     let grown = measured.filter(|d| d.horizon_s.is_none());
     let grown = grown.map_or(0.0, |d| d.largest_share);
     walk.max(grown)
 }
 
-/// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
+/// Returns the uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
 pub(crate) fn uncertainty(
     participant: &Participant,
     quantity: &Quantity,
@@ -39,7 +39,7 @@ pub(crate) fn uncertainty(
     judge: Judge<'_>,
 ) -> Option<QuantityUncertainty> {
     let evidence = judge.rules.evidence_of(&participant.name)?;
-    // What only rounding makes no refinement makes sharper, and no run shows an order in.
+    // A quantity that is rounding alone gets no sharper by refinement, and its runs show no order.
     if let Source::Refinement(_) = evidence.source
         && let Some(below) = judge.negligible.below(quantity)
         && let Some(view) = View::of(
@@ -89,7 +89,7 @@ pub(crate) fn uncertainty(
                 }
                 None => missing(&Unresolved::new(
                     "its recording holds no uncertainty of this window",
-                    "record it anew, or run it live",
+                    "record it again, or run it live",
                 )),
             }
         }
@@ -109,7 +109,7 @@ pub(crate) fn uncertainty(
     })
 }
 
-/// Returns the uncertainties of a participant's quantities, window by window, as a comparison of it alone states them.
+/// Returns the uncertainties of a participant's quantities in each window.
 #[must_use]
 pub fn uncertainties(
     context: &Context,
@@ -237,7 +237,7 @@ fn figures(
     }
 }
 
-/// Power out over power in; or why there is none, where a reader would look for it.
+/// Returns power out over power in, or the reason for its absence if readers need it.
 fn efficiency(
     participant: &Participant,
     window: &Window,
@@ -264,8 +264,8 @@ fn efficiency(
     ratio(power_in, power_out).map_err(Some)
 }
 
-/// The quantity without channels that a measured participant lacks: a rig has force cells on three of
-/// sixteen pins. Engines have all channels of a quantity or none.
+/// Returns the quantity without channels that a measured participant lacks: a rig has force cells on three of sixteen pins.
+/// Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
     if participants
@@ -280,7 +280,7 @@ pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quan
     quantity
 }
 
-/// The part of `samples` that all measured participants cover: theirs may be missing at both ends.
+/// Returns the part of `samples` that all measured participants cover; their data may be missing at both ends.
 pub(crate) fn covered(
     participants: &[(&Participant, &TimeSeries)],
     mut samples: Range<usize>,

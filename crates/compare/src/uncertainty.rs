@@ -1,7 +1,7 @@
-//! The numerical uncertainty of a run, from the same engine's runs at coarser settings.
+//! Numerical uncertainty of a run, from the same engine's runs at coarser settings.
 //!
-//! A [`Ladder`] holds the runs and estimates one quantity in one window; [`Evidence`] is what a participant brings, and
-//! [`crate::uncertainties`] what follows for all its quantities.
+//! A [`Ladder`] has the runs and estimates one quantity in one window; [`Evidence`] is a participant's input, and
+//! [`crate::uncertainties`] evaluates all its quantities.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,18 +10,18 @@ pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
 pub use pinwheel_timeseries::ladder::{Estimates, Ladder, Level};
 
-/// Uncertainty of one figure, or the reason why it is not known.
+/// Uncertainty of one figure, or the reason why it is unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Uncertainty {
-    /// Known.
+    /// Estimated uncertainty.
     Known(Estimate),
-    /// Not known.
+    /// Reason why the uncertainty is unknown.
     Unknown(Unresolved),
 }
 
 impl Uncertainty {
-    /// The estimate, if there is one.
+    /// Returns the estimate; `None` if unknown.
     #[must_use]
     pub fn estimate(&self) -> Option<&Estimate> {
         match self {
@@ -30,7 +30,7 @@ impl Uncertainty {
         }
     }
 
-    /// The uncertainty in the unit of the quantity, if it is known.
+    /// Returns the uncertainty in the unit of the quantity; `None` if unknown.
     #[must_use]
     pub fn u(&self) -> Option<f64> {
         self.estimate().map(|e| e.u)
@@ -47,19 +47,19 @@ impl From<Result<Estimate, Unresolved>> for Uncertainty {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Norm {
-    /// The series, as root mean square of its error over all channels and samples.
+    /// Root mean square of the error over all channels and samples.
     L2,
-    /// The series, as its largest error.
+    /// Largest error of the series.
     Linf,
-    /// The mean.
+    /// Error of the mean.
     Mean,
-    /// The largest magnitude.
+    /// Error of the largest magnitude.
     Peak,
-    /// The root mean square.
+    /// Error of the root mean square.
     Rms,
 }
 
-/// The uncertainties of one quantity in one window, each in the quantity's unit.
+/// Uncertainties of one quantity in one window, each in the quantity's unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QuantityUncertainty {
     /// Quantity name.
@@ -76,12 +76,12 @@ pub struct QuantityUncertainty {
     pub peak: Uncertainty,
     /// Error of the root mean square.
     pub rms: Uncertainty,
-    /// `l2` over the quantity's own RMS: what a reader compares with 1 %. `None` for a series of zeros.
+    /// `l2` over the quantity's own RMS, to be compared with the 1 % of the resolution. `None` for a series of zeros.
     pub relative_l2: Option<f64>,
 }
 
 impl QuantityUncertainty {
-    /// The uncertainty in one norm.
+    /// Returns the uncertainty in one norm.
     #[must_use]
     pub fn of(&self, norm: Norm) -> &Uncertainty {
         match norm {
@@ -93,7 +93,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// To be written down with a recording of the window.
+    /// Converts the uncertainty to the form stored with a recording of the window.
     #[must_use]
     pub fn to_record(&self, window: &Window) -> RecordedUncertainty {
         RecordedUncertainty {
@@ -108,7 +108,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// Uncertainty of a recorded quantity whose root mean square in this window is `rms`.
+    /// Returns the uncertainty of a recorded quantity whose root mean square in this window is `rms`.
     pub(crate) fn of_record(
         record: &RecordedUncertainty,
         window: WindowKind,
@@ -137,7 +137,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// Uncertainty of a quantity that a ladder shows.
+    /// Returns the uncertainty of a quantity from the estimates of a ladder.
     pub(crate) fn of_estimates(quantity: &str, window: WindowKind, found: Estimates) -> Self {
         let [l2, linf, mean, peak, rms] = found.norms.map(Uncertainty::from);
         Self {
@@ -152,7 +152,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// Uncertainty of a quantity that is `what` in every norm.
+    /// Returns an uncertainty that is `what` in every norm.
     pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
         Self {
             quantity: quantity.to_owned(),
@@ -167,19 +167,19 @@ impl QuantityUncertainty {
     }
 }
 
-/// Evidence of a participant for the distance of its numbers from the exact solution of its own equations.
+/// Evidence for the distance of a participant's results from the exact solution of its own equations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
     /// Name of the participant.
     pub engine: String,
     /// Evidence of the uncertainty.
     pub source: Source,
-    /// Why a number that is not sharp enough has to be accepted: a time limit is spent, say. What is then inconclusive
-    /// leaves nothing to act on. `None` where a setting would do.
+    /// Reason why no setting gives a sharper result: e.g. a time limit is spent. An inconclusive verdict then requires no
+    /// action. `None` where a setting would help.
     pub is_final: Option<Final>,
 }
 
-/// Why no setting of the user's makes a participant's numbers sharper.
+/// Reason why no setting of the user's makes a participant's results sharper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Final {
     /// Plural name of participants of this kind, e.g. `recordings`.
@@ -195,14 +195,14 @@ pub enum Source {
     Refinement(Ladder),
     /// Uncertainties written down with a recording ([`QuantityUncertainty::to_record`]).
     Recorded(Vec<RecordedUncertainty>),
-    /// Exact but for rounding: a closed form. The value is the floor, as a share of a quantity's RMS.
+    /// Exact solution but for rounding, e.g. a closed form. The value is the rounding error as a share of a quantity's RMS.
     Exact(f64),
-    /// Not known.
+    /// No evidence, with the reason.
     Unknown(Unresolved),
 }
 
 impl Evidence {
-    /// Evidence from coarser runs.
+    /// Returns evidence from coarser runs.
     #[must_use]
     pub fn refinement(engine: impl Into<String>, ladder: Ladder) -> Self {
         Self::of(engine, Source::Refinement(ladder))
@@ -216,7 +216,7 @@ impl Evidence {
         }
     }
 
-    /// Makes the missing evidence of a participant, with the reason.
+    /// Returns an unknown uncertainty of a participant with its reason.
     pub fn unknown(
         engine: impl Into<String>,
         reason: impl Into<String>,
@@ -225,7 +225,8 @@ impl Evidence {
         Self::of(engine, Source::Unknown(Unresolved::new(reason, remedy)))
     }
 
-    /// Raises the share of every quantity that the engine's iterations leave, which coarser runs do not show.
+    /// Adds an error floor, as a share of every quantity: the error of the engine's iterations, which coarser runs do not
+    /// reveal.
     #[must_use]
     pub fn with_floor(mut self, floor: f64) -> Self {
         if let Source::Refinement(ladder) = &mut self.source {
@@ -234,7 +235,7 @@ impl Evidence {
         self
     }
 
-    /// Marks a participant that can bring no sharper evidence, with the name of its group and the reason.
+    /// Marks a participant that can provide no sharper evidence, with the name of its group and the reason.
     #[must_use]
     pub fn finally(self, group: &'static str, reason: impl Into<String>) -> Self {
         let reason = reason.into();
@@ -245,12 +246,12 @@ impl Evidence {
     }
 }
 
-/// Bound of the summed rounding errors of the steps, in root mean squares of their random walk: the measured 2e-12 over
-/// 60 000 steps is 37 root mean squares.
+/// Bound of the summed rounding errors of the steps, in standard deviations of their random walk: the measured 2e-12 over 60
+/// 000 steps is 37 of them.
 const WALK: f64 = 64.0;
 
-/// Rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as a
-/// random walk.
+/// Returns the rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as
+/// a random walk.
 #[must_use]
 pub fn rounding_floor(steps: u64) -> f64 {
     WALK * f64::EPSILON * (steps.max(1) as f64).sqrt()

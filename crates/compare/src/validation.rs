@@ -1,22 +1,22 @@
-//! A simulation against measured data: ASME V&V 20-2009.
+//! Comparison of a simulation with measured data by ASME V&V 20-2009.
 //!
-//! E = S - D; u_val^2 = u_num^2 + u_input^2 + u_D^2. Where |E| <= k u_val the data cannot tell the model from the
-//! truth at that level; else the model is off by something in E - k u_val to E + k u_val. The three parts are standard
-//! uncertainties (one standard deviation), which add as squares because their causes are independent.
+//! E = S - D; u_val^2 = u_num^2 + u_input^2 + u_D^2. Where |E| <= k u_val the data cannot distinguish the model from the truth;
+//! otherwise the model error is within E - k u_val to E + k u_val. The three parts are standard uncertainties (one standard
+//! deviation), which add as squares because their causes are independent.
 
 use serde::Serialize;
 
-/// k for about 95 %.
+/// Coverage factor k for about 95 %.
 pub const COVERAGE: f64 = 2.0;
 
 /// The three parts of the validation uncertainty, relative as the error is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Budget {
-    /// u_num: of the simulation's numerics.
+    /// u_num: standard uncertainty of the simulation's numerics.
     pub numerical: f64,
-    /// u_input: of the scene's inputs.
+    /// u_input: standard uncertainty from the scene's inputs.
     pub input: f64,
-    /// u_D: of the data.
+    /// u_D: standard uncertainty of the data.
     pub data: f64,
 }
 
@@ -26,16 +26,16 @@ pub struct Budget {
 pub struct DataUncertainty {
     /// Name of the measured participant.
     pub engine: String,
-    /// Quantity, a pattern.
+    /// Pattern of quantities.
     pub quantity: String,
-    /// u_D.
+    /// u_D: standard uncertainty of the data.
     pub data: f64,
-    /// u_input: how far the uncertain inputs move this quantity of the simulation.
+    /// u_input: change of this quantity of the simulation with the uncertain inputs.
     pub input: f64,
 }
 
 impl Budget {
-    /// The budget where u_num comes from a bound: a grid convergence index covers about 95 % (k = 2).
+    /// Returns the budget with u_num from a bound: a grid convergence index covers about 95 % (k = 2).
     #[must_use]
     pub fn new(numerical_bound: f64, input: f64, data: f64) -> Self {
         Self {
@@ -45,13 +45,13 @@ impl Budget {
         }
     }
 
-    /// u_val.
+    /// Returns u_val.
     #[must_use]
     pub fn validation(&self) -> f64 {
         self.numerical.hypot(self.input).hypot(self.data)
     }
 
-    /// Shares of the three parts in u_val^2, for a bar: numerical, input, data; `None` where all are 0.
+    /// Returns the shares of numerical, input and data uncertainty in u_val^2; `None` where all are 0.
     #[must_use]
     pub fn shares(&self) -> Option<[f64; 3]> {
         let whole = self.validation();

@@ -1,6 +1,6 @@
-//! Four verdicts, the evidence behind them, and the result of a comparison.
+//! Four verdicts and the evidence behind them.
 //!
-//! No engine counts as the truth. A difference D is compared with a bound: the numerical error U = uA + uB of both, a model's
+//! No engine is the truth. A difference D is compared with a bound: the numerical error U = uA + uB of both, a model's
 //! tolerance, the uncertainty of a measurement, or a limit that a user states.
 
 use std::cmp::Ordering;
@@ -15,18 +15,18 @@ use crate::validation::Budget;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The difference is no larger than its bound.
+    /// Difference within the bound.
     Agree,
     /// Difference larger than the bound.
     Differ,
-    /// The numerical uncertainty is too large, or not known: neither was shown.
+    /// Numerical uncertainty too large or unknown, so that neither agreement nor difference follows.
     Inconclusive,
-    /// No bound exists with which the difference could be compared.
+    /// No bound exists for the difference.
     NotCompared,
 }
 
 impl Verdict {
-    /// The word for readers.
+    /// Returns the word for readers.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -42,18 +42,18 @@ impl Verdict {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
-    /// The numerical uncertainty of both engines.
+    /// Numerical uncertainty of both engines.
     NumericalError,
-    /// Numerical uncertainty, and the stated tolerance of an engine's contact model.
+    /// Numerical uncertainty and the stated tolerance of an engine's contact model.
     ModelTolerance,
-    /// The uncertainty of measured data, of the inputs and of the numerics (ASME V&V 20).
+    /// Uncertainty of measured data, of the inputs and of the numerics (ASME V&V 20).
     Measurement,
-    /// A limit: the user's, or that of the balance with the load.
+    /// Limit of the user's, or of the torque balance.
     Limit,
 }
 
 impl Against {
-    /// The words for readers.
+    /// Returns the words for readers.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -65,48 +65,48 @@ impl Against {
     }
 }
 
-/// A verdict with everything it rests on. All figures are relative, as the metric is (see [`Metric`]).
+/// Verdict with its evidence. All figures are relative, as the metric is (see [`Metric`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assessment {
-    /// The verdict.
+    /// Verdict on the difference.
     pub verdict: Verdict,
     /// Kind of bound with which the difference was compared.
     pub against: Against,
     /// Metric of the difference; `None` where nothing was measured.
     pub metric: Option<Metric>,
-    /// D; signed where a sign is predicted. `None` where there is none, or it is not finite.
+    /// Difference D, signed where the prediction has a sign; `None` if missing or not finite.
     #[serde(rename = "value")]
     pub difference: Option<f64>,
     /// Predicted difference, which is subtracted.
     #[serde(skip_serializing_if = "is_zero")]
     pub predicted: f64,
-    /// Up to here the two agree; `None` where that is not known.
+    /// Largest difference that counts as agreement; `None` if unknown.
     pub bound: Option<f64>,
-    /// Part of the bound that is the tolerance of the models.
+    /// Tolerance of the models, as part of the bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     /// Uncertainty of the first participant.
     pub u_a: Option<f64>,
-    /// Uncertainty of the second.
+    /// Uncertainty of the second participant.
     pub u_b: Option<f64>,
-    /// The parts of a validation uncertainty, of measured data.
+    /// Parts of the validation uncertainty, for measured data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
-    /// Participant whose uncertainty is too large or not known.
+    /// Participant whose uncertainty is too large or unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub participant: Option<String>,
-    /// Why: of what is inconclusive or not compared, of a limit and of a tolerance.
+    /// Reason of an inconclusive or missing verdict, of a limit or of a tolerance.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub reason: String,
-    /// The setting that would settle it.
+    /// Setting that would give a conclusive verdict.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub remedy: String,
-    /// True if there is something to act on.
+    /// True if the verdict requires an action of the user.
     pub actionable: bool,
-    /// Plural name of participants that can bring nothing sharper, e.g. `recordings`; empty for all others.
+    /// Plural name of participants that can provide nothing sharper, e.g. `recordings`; empty for all others.
     #[serde(skip)]
     pub group: &'static str,
-    /// True if the verdict decides about its quantity; other verdicts are shown for information.
+    /// True if the verdict decides about its quantity; all others are for information.
     pub decides: bool,
 }
 
@@ -116,7 +116,7 @@ fn is_zero(value: &f64) -> bool {
 }
 
 impl Assessment {
-    /// Nothing to hold a difference against, and why.
+    /// Returns the assessment of a difference without a bound, with the reason.
     #[must_use]
     pub fn not_compared(reason: impl Into<String>) -> Self {
         Self {
@@ -153,7 +153,7 @@ impl Assessment {
         .decided(holds)
     }
 
-    /// Neither was shown: the fault of `participant`.
+    /// Marks the assessment as inconclusive because of `participant`.
     #[must_use]
     pub fn inconclusive(self, participant: &str, reason: String, remedy: String) -> Self {
         Self {
@@ -179,7 +179,7 @@ impl Assessment {
         }
     }
 
-    /// Marks an inconclusive verdict as one without an action, because its participant can bring nothing sharper.
+    /// Marks an inconclusive verdict as one without an action, because its participant can provide nothing sharper.
     pub(crate) fn beyond_settings(mut self, group: &'static str, reason: &str) -> Self {
         if self.verdict == Verdict::Inconclusive {
             self.reason = format!("{}; {reason}", self.reason);
@@ -190,14 +190,13 @@ impl Assessment {
         self
     }
 
-    /// U, where both uncertainties are known.
+    /// Returns U; `None` unless both uncertainties are known.
     #[must_use]
     pub fn combined(&self) -> Option<f64> {
         Some(self.u_a? + self.u_b?)
     }
 
-    /// Interval of the difference of two models, or of the error of one: the difference with its uncertainty to both
-    /// sides.
+    /// Returns the interval of the difference of two models, or of a model's error: the difference +- its uncertainty.
     #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {
         let half = match self.against {
@@ -209,7 +208,8 @@ impl Assessment {
         Some([middle - half, middle + half])
     }
 
-    /// Difference over bound; what is inconclusive is so by its uncertainty, and what is not known is beyond all.
+    /// Returns difference over bound; for an inconclusive verdict the uncertainty is the difference, and an unknown one is
+    /// infinite.
     #[must_use]
     pub fn share(&self) -> f64 {
         if self.verdict == Verdict::Inconclusive {
@@ -224,8 +224,7 @@ impl Assessment {
         }
     }
 
-    /// From what says nothing to what is graver: not compared, agree, inconclusive with nothing to act on, inconclusive,
-    /// differ.
+    /// Returns the rank of gravity, rising: not compared, agree, inconclusive without an action, inconclusive, differ.
     #[must_use]
     pub fn rank(&self) -> u8 {
         match (self.verdict, self.actionable) {
@@ -237,14 +236,14 @@ impl Assessment {
         }
     }
 
-    /// Compares by [rank](Self::rank), and among equals by the share of the bound that is used.
+    /// Compares by [rank](Self::rank), then by the used share of the bound.
     #[must_use]
     pub fn graver(&self, other: &Self) -> Ordering {
         let by_rank = self.rank().cmp(&other.rank());
         by_rank.then(self.share().total_cmp(&other.share()))
     }
 
-    /// The [gravest](Self::graver) of several, the first of equals; `of`: the assessment of one.
+    /// Returns the [gravest](Self::graver) of several, the first of equals; `of` gives the assessment of one.
     pub fn gravest<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> &Self) -> Option<T> {
         all.into_iter()
             .reduce(|worst, other| match of(&other).graver(of(&worst)) {
@@ -257,22 +256,22 @@ impl Assessment {
 /// Number of verdicts of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
-    /// Agree.
+    /// Verdicts *agree*.
     pub agree: usize,
-    /// Differ.
+    /// Verdicts *differ*.
     pub differ: usize,
-    /// Inconclusive.
+    /// Verdicts *inconclusive*.
     pub inconclusive: usize,
-    /// Not compared.
+    /// Verdicts *not compared*.
     pub not_compared: usize,
-    /// Differing verdicts with something to act on: not the error of a model against a measurement.
+    /// Differing verdicts that require an action; the error of a model against a measurement does not.
     pub differ_actionable: usize,
     /// Inconclusive verdicts that a setting would settle.
     pub inconclusive_actionable: usize,
 }
 
 impl Counts {
-    /// Counts one more.
+    /// Adds one assessment.
     pub fn add(&mut self, one: &Assessment) {
         let [all, actionable] = match one.verdict {
             Verdict::Agree => [&mut self.agree, &mut 0],
@@ -284,14 +283,14 @@ impl Counts {
         *actionable += usize::from(one.actionable);
     }
 
-    /// Number of quantities that were compared.
+    /// Returns the number of quantities that were compared.
     #[must_use]
     pub fn compared(&self) -> usize {
         self.agree + self.differ + self.inconclusive
     }
 
-    /// Returns the status of these verdicts alone: 1 where something differs, 4 where something is inconclusive that a setting
-    /// would settle, else 0.
+    /// Returns the exit status of these verdicts: 1 with a difference, 4 if a setting would resolve an inconclusive verdict,
+    /// else 0.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         if self.differ_actionable > 0 {
@@ -304,17 +303,17 @@ impl Counts {
     }
 }
 
-/// One side of a pair as a verdict needs it.
+/// Side of a pair, as input of a verdict.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Side<'a> {
     /// Name of the participant.
     pub name: &'a str,
-    /// Relative uncertainty of the engine; or the reason why there is none.
+    /// Relative uncertainty of the engine, or the reason for its absence.
     pub uncertainty: Result<Estimate, Unresolved>,
 }
 
 impl<'a> Side<'a> {
-    /// A side with a known relative uncertainty.
+    /// Returns a side with a known relative uncertainty.
     #[must_use]
     pub fn known(name: &'a str, estimate: Estimate) -> Self {
         Self {
@@ -330,7 +329,7 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Makes the assessment of a difference in a metric of two sides, not yet compared with a bound.
+/// Returns the assessment of a difference in a metric of two sides, before the comparison with a bound.
 fn between(
     metric: Metric,
     difference: f64,
@@ -347,13 +346,13 @@ fn between(
     }
 }
 
-/// The combined uncertainty U of two sides, or the side whose uncertainty is not known, and why.
+/// Returns the combined uncertainty U of two sides, or the side with an unknown uncertainty and its reason.
 ///
-/// U = uA + uB: both are bounds of errors that are fixed by the settings, not random and not independent (two
-/// engines may share a method and err alike or against each other), so nothing entitles us to add them as squares.
+/// U = uA + uB: both are bounds of errors fixed by the settings. These errors are neither random nor independent (two engines
+/// may share a method), so they must not be added as squares.
 ///
 /// # Errors
-/// The side whose uncertainty is not known.
+/// Side with an unknown uncertainty.
 fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)> {
     let of = |side: &'a Side<'a>| match &side.uncertainty {
         Ok(estimate) => Ok(estimate.u),
@@ -362,14 +361,14 @@ fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)>
     Ok(of(a)? + of(b)?)
 }
 
-/// Multiple of U that a difference must exceed where an order was not confirmed.
+/// Multiple of U that a difference must exceed where no order was confirmed.
 pub const UNCONFIRMED: f64 = 2.0;
 
-/// Two participants of one law at the relative distance D.
+/// Compares two participants with one contact law at the relative distance D.
 ///
-/// D <= U: they agree. D > U: they differ; where an uncertainty rests on no confirmed order, 2 U takes the place
-/// of U for distances above U. Where U is above `resolution`, agreement would say nothing,
-/// and a difference is stated only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
+/// D <= U: they agree. D > U: they differ; where an uncertainty has no confirmed order, 2 U replaces U for distances above U.
+/// Where U exceeds `resolution`, agreement proves nothing, and a difference needs confirmed orders of both uncertainties:
+/// otherwise the verdict is inconclusive.
 #[must_use]
 pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let found = between(metric, distance, Against::NumericalError, sides);
@@ -380,13 +379,13 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     let confirmed = sides
         .iter()
         .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
-    // A sum that is NaN is not sharp.
+    // A sum that is NaN does not count as sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
         return too_blunt(found, sum, sides, resolution);
     }
-    // An uncertainty that no observed order confirms becomes a bound only when doubled: estimates of this kind miss one
-    // error in a hundred by as much, and a comparison makes hundreds of estimates.
+    // Without an observed order an uncertainty must be doubled to be a bound: such estimates are too small by as much in one
+    // case of a hundred, and a comparison makes hundreds of estimates.
     let bound = if confirmed || distance <= sum {
         sum
     } else {
@@ -399,7 +398,7 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     .decided(distance <= bound)
 }
 
-/// Inconclusive: U is above what was asked for.
+/// Returns an inconclusive assessment because U exceeds the resolution.
 fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let (blunt, other) = if a.u() >= b.u() { (a, b) } else { (b, a) };
     let target = (resolution - other.u().unwrap_or(0.0)).max(resolution / 2.0);
@@ -419,17 +418,17 @@ fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f6
 /// Permitted difference of two models.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allowed {
-    /// The difference that is predicted.
+    /// Predicted difference.
     pub predicted: f64,
-    /// Stated tolerance of the engines around the prediction, beside numerical uncertainty.
+    /// Stated tolerance of the engines around the prediction, in addition to numerical uncertainty.
     pub tolerance: f64,
-    /// Why the tolerance is what it is.
+    /// Reason of the tolerance.
     pub reason: &'static str,
 }
 
-/// Two participants whose models differ on purpose, at the (signed, where it has a sign) distance D: they agree if the
-/// difference less the predicted one is no larger than U and the tolerance; without a tolerance there is nothing to compare
-/// with, and the interval D - U to D + U is the result.
+/// Compares two participants with intentionally different models at the distance D, signed where it has a sign. They agree if
+/// the difference less the predicted one is within U plus the tolerance; without a tolerance the interval D - U to D + U is the
+/// result.
 #[must_use]
 pub fn model(
     metric: Metric,
@@ -450,8 +449,7 @@ pub fn model(
         Ok(sum) => sum,
         Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
-    // The uncertainty may be as large as the resolution or the tolerance, but no larger: else a statement would pass by
-    // being blunt.
+    // The uncertainty must not exceed the resolution or the tolerance: otherwise a blunt result would pass.
     let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
         return too_blunt(found, sum, sides, resolution);
@@ -467,7 +465,7 @@ pub fn model(
     .decided((distance - allowed.predicted).abs() <= bound)
 }
 
-/// Compares a simulation with measured data at the error E = S - D. A model error is a result, and nothing to act on.
+/// Compares a simulation with measured data at the error E = S - D. A model error is a result that requires no action.
 #[must_use]
 pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
     let bound = budget.bound();

@@ -1,34 +1,35 @@
-//! Windows: the parts of a run that are compared apart from each other.
+//! Windows: parts of a run that are compared separately.
 //!
-//! The start-up transient is a hard test of integration and a poor one of geometry, the steady
-//! part the other way round; one figure over both would hide either.
+//! The start-up transient is a hard test of integration and a poor one of geometry, the steady part the reverse; one figure
+//! over both would hide either.
 
 use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 
-/// Time in which the paper gearbox's start-up transient decays, s (measured: about 0.25 s, with
-/// 1.2 kHz at 2 % of critical damping). A steady window starts no earlier.
+/// Decay time of the paper gearbox's start-up transient, s (measured: about 0.25 s, with 1.2 kHz at 2 % of critical damping). A
+/// steady window starts no earlier.
 pub const SETTLING_S: f64 = 0.25;
-/// Length of the transient window of a gear that settles in [`SETTLING_S`], s; others have the same share of their own.
+/// Length of the transient window of a gear that settles in [`SETTLING_S`], s; for other gears in proportion to their decay
+/// time.
 pub const TRANSIENT_S: f64 = 0.05;
-/// Samples a window must hold: with fewer a mean square says nothing.
+/// Fewest samples of a window; with fewer a mean square is meaningless.
 pub const FEWEST_SAMPLES: usize = 10;
 
 /// Kind of window: the part of the run that it covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowKind {
-    /// After the start-up transient: the second half of the run, or what is left of it when the load has changed
-    /// for the last time and the transient of that has decayed.
+    /// Part after the start-up transient: the second half of the run, or the rest after the last load change and the decay of
+    /// its transient.
     Steady,
-    /// The first fifth of the time in which the gear settles ([`TRANSIENT_S`] of [`SETTLING_S`]).
+    /// First fifth of the gear's decay time ([`TRANSIENT_S`] of [`SETTLING_S`]).
     Transient,
     /// Entire run; used only where the run has no steady window.
     Whole,
 }
 
 impl WindowKind {
-    /// The word used in files and tables.
+    /// Returns the word in files and tables.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -39,7 +40,7 @@ impl WindowKind {
     }
 }
 
-/// A window that can be compared.
+/// Window that can be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Window {
     /// Kind of window.
@@ -48,9 +49,9 @@ pub struct Window {
     pub from_s: f64,
     /// End, s, included.
     pub to_s: f64,
-    /// Samples in it.
+    /// Number of samples.
     pub samples: usize,
-    /// Changes of the load in it; never any in a steady one.
+    /// Number of load changes; 0 in a steady window.
     #[serde(skip_serializing_if = "is_none")]
     pub load_changes: usize,
 }
@@ -60,7 +61,7 @@ fn is_none(changes: &usize) -> bool {
 }
 
 impl Window {
-    /// One sentence about the window that a reader must know beside its times; `None`: nothing.
+    /// Returns a sentence about the window that readers need beside its times; `None` if there is none.
     #[must_use]
     pub fn remark(&self) -> Option<String> {
         let word = self.kind.word();
@@ -74,7 +75,7 @@ impl Window {
     }
 }
 
-/// A window that cannot be compared.
+/// Window that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AbsentWindow {
     /// Kind of window.
@@ -84,10 +85,9 @@ pub struct AbsentWindow {
 }
 
 /// Returns the windows of a run with the sample times of `time_series`, and the windows for which the run is too short.
-/// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
-/// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
-/// `settling_s` (of a start in equilibrium, where that is 0, [`SETTLING_S`]), and a steady window has at least a fifth of that
-/// after it.
+/// `settling_s`: decay time of the start-up transient. `load_changes_s`: start and end times of load changes, increasing. The
+/// transient of the last change within the run also decays in `settling_s` (in [`SETTLING_S`] if that is 0, a start in
+/// equilibrium); a steady window is at least a fifth of that long.
 #[must_use]
 pub fn windows(
     time_series: &TimeSeries,
@@ -110,7 +110,7 @@ pub fn windows(
     let mut offer = |kind: WindowKind, from_s: f64, to_s: f64| {
         let samples = time_series.window(from_s, to_s).len();
         if samples < FEWEST_SAMPLES {
-            let reason = format!("it would hold {samples} samples, fewer than {FEWEST_SAMPLES}");
+            let reason = format!("it would have {samples} samples, fewer than {FEWEST_SAMPLES}");
             absent.push(AbsentWindow { kind, reason });
             return false;
         }
@@ -124,7 +124,7 @@ pub fn windows(
         });
         true
     };
-    // A rounding's breadth, as the duration is a sum of many steps.
+    // Tolerance of a rounding, as the duration is a sum of many steps.
     let settled = duration / 2.0 * (1.0 + 1e-9) >= settling_s;
     let half = start + duration / 2.0;
     let changed = load_changes_s.iter().rev().find(|&&t| t < end);

@@ -1,21 +1,21 @@
-//! Closest point on the epitrochoid: Newton where it is certain, a global search elsewhere.
+//! Closest point on the epitrochoid: Newton's method where it is certain, a global search elsewhere.
 //!
 //! With r = P - C(a), s = r . n and t = r . tangent, the foot has t = 0 and
 //! dt/d(arc) = -(1 + kappa s), so one Newton step moves along the arc by t/(1 + kappa s).
 //!
 //! Two certificates make the local search exact, both from the reach rho of the curve:
 //! * *outside*: a ball of radius rho that touches C from outside contains no point of C. If P
-//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, whatever a is. In the concentric ball
+//!   lies in the one touching at C(a), that is if `|r|^2 < 2 rho s`, P is outside, for any a. In the concentric ball
 //!   that is smaller by L, that is if `|r|^2 < 2 rho (s - L) + L^2`, P is farther from C than L.
-//! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
+//! * *foot*: a stationary point with |s| < rho is the closest point of the entire curve.
 //!
-//! Where Newton's method fails (pins lifted off a pit by backlash are near its centre of curvature), a third test mostly
+//! Where Newton's method fails (pins lifted off a pit by backlash are near its centre of curvature), a third test usually
 //! decides. C is star-shaped about the origin, so that P is outside if the ray through it leaves the curve earlier.
 
 use crate::{Complex, Epitrochoid, Foot, Scalar};
 
-/// Newton has converged when the tangential residual is below this share of R, or less on sharp curves; the step
-/// that follows squares the error away.
+/// Tangential residual, as a share of R, below which Newton has converged; smaller on sharp curves. The step that follows
+/// squares the error.
 const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
 /// Newton steps before the global search takes over; the usual number is 1 to 3.
 const MAX_STEPS: usize = 12;
@@ -30,7 +30,7 @@ const RAY_BESIDE: f64 = 1e-3;
 
 /// Result of the local search.
 enum Local {
-    /// P is outside for certain.
+    /// P is certainly outside.
     Outside,
     /// Closest point of the entire curve.
     Foot(Foot),
@@ -39,10 +39,10 @@ enum Local {
 }
 
 impl Epitrochoid {
-    /// Returns the foot of `p` if its signed distance from the curve is below `limit`, m. The limit is 0 for points inside the
-    /// curve. It differs for a pin whose radius is not the offset of the edge.
+    /// Returns the foot of `p` if its signed distance from the curve is below `limit`, m: 0 for points inside the curve, other
+    /// values for a pin whose radius is not the offset of the edge.
     ///
-    /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affects the result only by rounding.
+    /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affect the result only by rounding.
     #[must_use]
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
@@ -58,12 +58,12 @@ impl Epitrochoid {
         }
     }
 
-    /// Returns true if the ray from the origin through `p` certainly leaves the curve before it reaches `p`, and `p` is farther
-    /// from the curve than `away`, m.
+    /// True if the ray from the origin through `p` certainly leaves the curve before it reaches `p`, and `p` is farther from
+    /// the curve than `away`, m.
     ///
-    /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
-    /// less than w times the steepest slope of the curve against circles. Points that near to `p` lie within asin(away/|p|) of
-    /// the ray and |p| - away or more from the origin: too far for the curve, whose radius grows by e^(slope angle) at most.
+    /// C(a) is moved along its tangent onto the ray. The remaining distance w from the ray changes the radius by less than w
+    /// times the steepest slope of the curve against circles. Points within `away` of `p` lie within asin(away/|p|) of the ray,
+    /// and |p| - away or more from the origin. That is too far for the curve, whose radius grows by e^(slope angle) at most.
     #[doc(hidden)]
     pub fn outside_by_ray(&self, p: Complex, start: [Complex; 2], away: f64) -> bool {
         let radius = p.norm();
@@ -114,7 +114,7 @@ impl Epitrochoid {
             };
             let r = p - at.position;
             let s = r.dot(at.normal);
-            // Farther than the limit, too, if P lies in the ball that is smaller by so much.
+            // P is beyond the limit if it lies in the ball that is smaller by `away`.
             let room = self.reach_outside - away;
             if room > 0.0 && r.norm2() < 2.0 * self.reach_outside * (s - away) + away * away {
                 return Local::Outside;
@@ -148,8 +148,8 @@ impl Epitrochoid {
         Local::Unknown
     }
 
-    /// Returns the foot of `p`, with its derivatives, from the foot `unit` of its value: one Newton step, which is exact to
-    /// first order; of a curve without an offset.
+    /// Returns the foot of `p`, with its derivatives, from the foot `unit` of its value: one Newton step, exact to first order,
+    /// for a curve without an offset.
     #[must_use]
     pub fn foot_beside<S: Scalar>(&self, unit: Complex, p: Complex<S>) -> Foot<S> {
         let at = self.at_unit(unit, unit.powu(self.sleeves));
@@ -170,8 +170,8 @@ impl Epitrochoid {
 
     /// Returns the closest point of the entire curve to any `p`.
     ///
-    /// Samples the part of the curve that can be closer than the best point known, brackets every
-    /// local minimum of the distance, and refines each by bisection-safeguarded Newton.
+    /// Samples the part of the curve that can be closer than the best known point, brackets every local minimum of the
+    /// distance, and refines each by bisection-safeguarded Newton.
     #[must_use]
     pub fn closest(&self, p: Complex) -> Foot {
         let per_lobe = f64::from(self.samples(40));
@@ -207,7 +207,7 @@ impl Epitrochoid {
             }
             (before, here) = (here, after);
         }
-        // A full turn always holds a minimum; the start stands in for the impossible rest.
+        // A full turn always has a minimum; the start replaces the impossible case without one.
         let a = best.map_or(start, |(_, a)| a);
         let unit = Complex::unit(a);
         let at = self.place(unit, unit.powu(self.sleeves));

@@ -1,4 +1,4 @@
-//! The closest-point search of [`closest`](crate::Epitrochoid::foot_within) for several points at once.
+//! Closest-point search of [`closest`](crate::Epitrochoid::foot_within) for several points at once.
 //!
 //! A point P is taken relative to C(a0), a0 near its foot, in directions turned by a0 and in units of R: with q the offset,
 //! E = e^{i zs a0}, and for a = a0 + d
@@ -9,13 +9,13 @@
 //! -f'  = g + r.T1 + zk r.T2,    f'' = 3 zs T1 x T2 - T1 x r - zk^2 T2 x r
 //! f^(n)(0) =  +-(lobe's constants, times m cos zs a0 or m sin zs a0)  +- (zk^n m) q.E or q.iE      for n >= 3
 //! ```
-//! The Taylor series of f is reversed to fifth order, which leaves of a usual offset nothing that a single step of third
-//! order (Halley's, by f'') would not take away. Its own error tells whether it was the last: twice (f''/2f')^2 d^3, and
-//! f''' d^3/6f'. Offsets are small against R, so that nothing of their digits is lost to the radius.
+//! The Taylor series of f is reversed to fifth order; the remainder for a usual offset is below rounding after one step of
+//! third order (Halley's, by f''). The error of that step decides whether it was the last: twice (f''/2f')^2 d^3, and f'''
+//! d^3/6f'. Offsets are small against R, so that no digits are lost to the radius.
 //!
-//! Certificates are those of the scalar search. The outside one is tabulated by phase into one number: a ball that touches
-//! C(a) from outside may have the radius rho(a), and P is outside where `H |r|^2 < r.T`, `H = max sqrt(g)/(2 rho)` over the
-//! curve. A lane that the steps cannot settle is handed to the scalar search, so the result is the scalar one up to rounding.
+//! Certificates are those of the scalar search. The outside one is reduced to one number: a ball that touches C(a) from outside
+//! may have the radius rho(a), and P is outside where `H |r|^2 < r.T`, `H = max sqrt(g)/(2 rho)` over the curve. Lanes that do
+//! not converge are passed to the scalar search, so the results are equal up to rounding.
 
 use pinwheel_faults::{Fault, factor};
 use pulp::Simd;
@@ -24,7 +24,7 @@ use crate::lanes::{ComplexLanes, Lanes, Mask};
 use crate::search::Search;
 use crate::{Complex, Epitrochoid, Real};
 
-/// Feet of several points; where `inside` is not set the values hold no meaning.
+/// Feet of several points; values are undefined where `inside` is not set.
 #[derive(Debug, Clone, Copy)]
 pub struct FeetLanes<S: Simd> {
     /// C at the foot, m.
@@ -35,7 +35,7 @@ pub struct FeetLanes<S: Simd> {
     pub foot: LocalFeet<S>,
 }
 
-/// Feet relative to C(a0), in directions turned by a0; where `inside` is not set the values hold no meaning.
+/// Feet relative to C(a0), in directions turned by a0; values are undefined where `inside` is not set.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalFeet<S: Simd> {
     /// Set where the point lies inside the curve.
@@ -56,11 +56,11 @@ pub struct LocalFeet<S: Simd> {
     pub curvature: Lanes<S>,
 }
 
-/// Longest step, as zk d: all terms of the series of e^{i zk d} are exact to rounding up to here.
+/// Longest step, as zk d, for which all terms of the series of e^{i zk d} are exact to rounding.
 const LONGEST: f64 = 0.3;
-/// Steps up to here need fewer terms, most of all for e^{id}, as zk is at least 3.
+/// Step, as zk d, up to which fewer terms suffice, mainly for e^{id}, as zk is at least 3.
 const SHORT: f64 = 0.1;
-/// Length up to which a last step needs the fewest terms.
+/// Length, as zk d, up to which a last step needs the fewest terms.
 const LAST: f64 = 1e-4;
 /// Terms for e^{id} and e^{i zk d}.
 const ALL_TERMS: [usize; 2] = [5, 5];
@@ -68,7 +68,8 @@ const SHORT_TERMS: [usize; 2] = [3, 4];
 const LAST_TERMS: [usize; 2] = [1, 1];
 /// Largest remainder after a last step, as zk d.
 const SETTLED: f64 = 1e-14;
-/// Near the evolute Newton does not know how far to go: -f' counts as this share of g there, and nothing settles.
+/// Least share of g that -f' counts as. Smaller values occur near the evolute, where Newton's step is unreliable, and prevent
+/// convergence.
 const STEEP: f64 = 0.05;
 const MAX_STEPS: usize = 8;
 
@@ -117,7 +118,7 @@ struct Pose<S: Simd> {
 }
 
 impl<S: Simd> Pose<S> {
-    /// Moves the foot on by `step` = zk d.
+    /// Advances the foot by `step` = zk d.
     #[inline(always)]
     fn step(&mut self, step: Lanes<S>, per_zk: f64, terms: [usize; 2]) {
         let share = step.like(per_zk);
@@ -130,8 +131,8 @@ impl<S: Simd> Pose<S> {
 }
 
 impl Epitrochoid {
-    /// Returns the feet of the points `p` that lie inside the curve, searched from e^{ia} = `unit` and e^{i zk a} = `multiple`
-    /// (common to all lanes). Lanes that are not `present` are never inside.
+    /// Returns the feet of the points `p` inside the curve, searched from e^{ia} = `unit` and e^{i zk a} = `multiple` (common
+    /// to all lanes). Lanes that are not `present` are never inside.
     #[must_use]
     #[inline(always)]
     pub fn penetrating_feet<S: Simd>(
@@ -159,9 +160,9 @@ impl Epitrochoid {
         }
     }
 
-    /// Feet of the points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs
-    /// a0}. Only lanes that are `present` are searched; those need not be the ones that [`repulsion`](Self::repulsion)
-    /// has outside for certain.
+    /// Returns the feet of the points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i
+    /// zs a0}. Only lanes that are `present` are searched; lanes that are certainly outside by [`repulsion`](Self::repulsion)
+    /// may be omitted or not.
     #[must_use]
     #[inline(always)]
     pub fn local_feet<S: Simd>(
@@ -235,7 +236,7 @@ impl Epitrochoid {
             let g = turn.dot(lobe).mul_add(c(2.0), c(1.0 + m * m));
             let slope = g + along.mul_add(c(zk), height);
             let fine = (c(STEEP) * g).less(slope);
-            // A division costs less than another step, which any error of the inverse would ask for.
+            // A division costs less than another step, which an inaccurate inverse would require.
             let inverse = slope.max(c(STEEP) * g).recip();
             let first = (beside + across) * inverse * c(zk);
             let bending = turn.cross(lobe) * c(1.5 - 1.5 * per_zk)
@@ -251,7 +252,7 @@ impl Epitrochoid {
             if !unsettled.any() {
                 break;
             }
-            // What is outside for certain need not settle.
+            // Points that are certainly outside need not converge.
             let outside = (c(repulsion) * r.dot(r)).less(height + along);
             (open, unsettled) = (open.without(outside), unsettled.without(outside));
             if !unsettled.any() {
@@ -267,7 +268,7 @@ impl Epitrochoid {
 
         let height = (pose.turn + pose.lobe).dot(pose.offset);
         let mut inside = open.and(height.less(c(0.0)));
-        // Beyond either reach the foot might not be the closest.
+        // Beyond either reach the foot may not be the closest point.
         let r = pose.offset;
         let near = c(-self.reach_inside * per_radius * (1.0 - m)).less(height);
         if open.without(near.and(inside)).any() {
@@ -311,7 +312,7 @@ impl Epitrochoid {
         let mut found = offset.re.like(1.0).only(*inside);
         for k in (0..Lanes::<S>::COUNT).filter(|&k| lost.lane(k)) {
             found.as_mut_slice()[k] = 0.0;
-            // Any a0 of this phase.
+            // Unit number e^{i a0} for any a0 of this phase.
             let phase = phase.lane(k);
             let start = Complex::unit(phase.arg() / (zk - 1.0));
             let local = Complex::ONE + phase.scale(self.shortening / zk) + offset.lane(k);
@@ -326,7 +327,7 @@ impl Epitrochoid {
                 pose.offset.set_lane(k, local - turn - lobe.scale(1.0 / zk));
             }
         }
-        // On the curve to rounding it is inside where the depth that comes of it is above 0.
+        // A point on the curve to rounding is inside if the resulting depth is above 0.
         let height = (pose.turn + pose.lobe).dot(pose.offset);
         let found = offset.re.like(0.5).less(found);
         *inside = found.and(height.less(offset.re.like(0.0)));

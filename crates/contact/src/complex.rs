@@ -1,14 +1,13 @@
 //! Planar vectors and rotations as complex numbers.
 //!
-//! Angles enter the hot path only as unit numbers: a rotation by a small angle is a short
-//! series, a multiple angle a power, and no sine is evaluated per contact. (num-complex would do,
-//! but for its `norm`, which is a `hypot` and several times slower than the root it guards.)
+//! Angles enter the hot path only as unit numbers: a rotation by a small angle is a short series, a multiple angle a power, and
+//! no sine is evaluated per contact. (num-complex would do except for its `norm`: a `hypot`, several times slower than a root.)
 
 use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::{Real, Scalar};
 
-/// x + i y, of one pair of numbers or of several side by side ([`ComplexLanes`](crate::ComplexLanes)).
+/// Complex number x + i y, of scalars or of lanes ([`ComplexLanes`](crate::ComplexLanes)).
 ///
 /// ```
 /// use pinwheel_contact::Complex;
@@ -36,7 +35,7 @@ impl<R> Complex<R> {
 }
 
 impl<R: Copy> Complex<R> {
-    /// As `[x, y]`.
+    /// Converts to `[x, y]`.
     #[must_use]
     #[inline]
     pub const fn to_array(self) -> [R; 2] {
@@ -45,14 +44,14 @@ impl<R: Copy> Complex<R> {
 }
 
 impl<R: Real> Complex<R> {
-    /// x - i y: the inverse of a rotation.
+    /// Conjugate x - i y: the inverse of a rotation.
     #[must_use]
     #[inline(always)]
     pub fn conj(self) -> Self {
         Self::new(self.re, -self.im)
     }
 
-    /// Turned by +90 degrees.
+    /// Rotation by +90 degrees.
     #[must_use]
     #[inline(always)]
     pub fn turned(self) -> Self {
@@ -73,21 +72,21 @@ impl<R: Real> Complex<R> {
         self.re * other.im - self.im * other.re
     }
 
-    /// self times the conjugate of another.
+    /// Product with the conjugate of `other`.
     #[must_use]
     #[inline(always)]
     pub fn times_conj(self, other: Self) -> Self {
         Self::new(self.dot(other), other.cross(self))
     }
 
-    /// Scaled by a real factor.
+    /// Product with a real factor.
     #[must_use]
     #[inline(always)]
     pub fn scale(self, factor: R) -> Self {
         Self::new(self.re * factor, self.im * factor)
     }
 
-    /// self * factor + term.
+    /// Returns self * factor + term.
     #[must_use]
     #[inline(always)]
     pub fn scale_add(self, factor: R, term: Self) -> Self {
@@ -117,7 +116,7 @@ impl<R: Real> Complex<R> {
 }
 
 impl<R: Scalar> Complex<R> {
-    /// e^{i angle}.
+    /// Unit number e^{i angle}.
     #[must_use]
     #[inline]
     pub fn unit(angle: R) -> Self {
@@ -141,17 +140,17 @@ impl<R: Scalar> Complex<R> {
 }
 
 impl Complex {
-    /// 1, the rotation by nothing.
+    /// Unity: the rotation by zero.
     pub const ONE: Self = Self { re: 1.0, im: 0.0 };
 
-    /// This vector among numbers of another kind, on whose variables it does not depend.
+    /// Converts a constant vector to numbers of the kind of `number`, with zero derivatives.
     #[must_use]
     #[inline(always)]
     pub fn like<R: Real>(self, number: R) -> Complex<R> {
         Complex::new(number.like(self.re), number.like(self.im))
     }
 
-    /// e^{i angle} for an angle that is usually small: below 2^-6 rad a series that is exact to rounding.
+    /// Returns e^{i angle}; below 2^-6 rad by a series that is exact to rounding.
     #[must_use]
     #[inline]
     pub fn unit_near_zero(angle: f64) -> Self {

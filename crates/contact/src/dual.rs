@@ -9,7 +9,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::{Real, Scalar};
 
-/// A value with its derivatives by `N` variables.
+/// Value with its derivatives by `N` variables.
 ///
 /// ```
 /// use pinwheel_contact::{Dual, Real};
@@ -48,7 +48,7 @@ impl<const N: usize> Dual<N> {
         })
     }
 
-    /// Returns this function of other variables, of which its own are these functions.
+    /// Chain rule: returns this function with its variables replaced by the functions `own` of other variables.
     #[must_use]
     #[inline(always)]
     pub fn through<const M: usize>(&self, own: &[Dual<M>; N]) -> Dual<M> {

@@ -6,9 +6,8 @@
 //! n     = T/|T|            outward unit normal, at angle a + gamma of Eq. 1
 //! kappa = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^{3/2})
 //! ```
-//! The disc's profile is C - q n. A pin of radius q penetrates the disc by exactly minus
-//! the signed distance of its centre from C, so contact is one closest-point problem on this
-//! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
+//! The disc's profile is C - q n. The penetration of a pin of radius q is minus the signed distance of its centre from C, so
+//! contact is one closest-point problem on this smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
 //!
 //! With an offset w(zs a) along the inward normal the curve is C - w n instead. From t = R90 n and n' = kappa s t, s = |C'|:
 //!
@@ -53,7 +52,7 @@ impl Foot {
     }
 }
 
-/// C for given R, e, zk (m = e zk/R), with the radii inside which closest points are certain.
+/// Epitrochoid C for given R, e, zk (m = e zk/R), with the radii inside which closest points are certain.
 ///
 /// ```
 /// use pinwheel_contact::{Complex, Epitrochoid};
@@ -71,7 +70,7 @@ pub struct Epitrochoid {
     pub(crate) eccentricity: f64,
     pub(crate) sleeves: u32,
     pub(crate) shortening: f64,
-    /// A ball of this radius touching C from outside (inside) meets C only where it touches.
+    /// Radius of a ball that touches C from outside (inside) and meets C nowhere else, m.
     #[doc(hidden)]
     pub reach_outside: f64,
     #[doc(hidden)]
@@ -79,7 +78,7 @@ pub struct Epitrochoid {
     /// Largest |d(radius)/d(polar angle)| / radius: tan of the angle between normal and radius.
     #[doc(hidden)]
     pub steepest: f64,
-    /// Share of the searches' tolerances that this curve needs, at most 1; see `settling_share`.
+    /// Share of the searches' tolerances that this curve requires, at most 1; see `settling_share`.
     #[doc(hidden)]
     pub settling: f64,
     /// Constants of the search in lanes.
@@ -90,7 +89,7 @@ pub struct Epitrochoid {
 
 impl Epitrochoid {
     /// Creates the curve of eccentricity `e` (m), `sleeves` = zk ring pins, 3 or more, and shortening m (0 < m < 1); `None` if
-    /// one of them is out of range or not finite.
+    /// a value is out of range or not finite.
     #[must_use]
     pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
         Self::with_offset(eccentricity, sleeves, shortening, None)
@@ -139,7 +138,7 @@ impl Epitrochoid {
         Some(curve)
     }
 
-    /// Returns true if [`new`](Self::new) makes an equal curve of these parameters.
+    /// True if [`new`](Self::new) makes an equal curve of these parameters.
     #[must_use]
     pub fn is_of(
         &self,
@@ -152,7 +151,7 @@ impl Epitrochoid {
             && self.own.as_ref().map(|own| &own.0) == offset
     }
 
-    /// Returns true if the curve has an offset along its normal.
+    /// True if the curve has an offset along its normal.
     #[must_use]
     pub fn has_offset(&self) -> bool {
         self.own.is_some()
@@ -163,17 +162,17 @@ impl Epitrochoid {
         self.own.as_ref().map_or(0.0, |own| own.1)
     }
 
-    /// Returns the number of samples of a lobe that show all of the curve.
+    /// Returns the number of samples of a lobe that resolve the curve.
     pub(crate) fn samples(&self, usual: u32) -> u32 {
         self.own
             .as_ref()
             .map_or(usual, |own| usual.max(own.0.samples()))
     }
 
-    /// Returns bounds of the curvature: the extremes of samples, and by how much they bend between three of them; `None` where the
-    /// offset folds the curve, or makes it leave a ray from the centre twice.
+    /// Returns bounds of the curvature: the extremes of samples, widened by the change between them; `None` where the offset
+    /// folds the curve, or makes it leave a ray from the centre twice.
     fn bends(&self, offset: &LobeOffset) -> Option<[f64; 2]> {
-        // A multiple of the knots, at which the curvature has kinks.
+        // Multiple of the knots, at which the curvature has kinks.
         let samples = offset.samples() * 960_u32.div_ceil(offset.samples());
         let step = std::f64::consts::TAU / f64::from(samples * self.lobes());
         let mut bends = [f64::INFINITY, f64::NEG_INFINITY];
@@ -200,7 +199,7 @@ impl Epitrochoid {
         self.pitch_radius
     }
 
-    /// Returns H: a point P is outside for certain where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and `T = e^{ia} + m
+    /// Returns H: a point P is certainly outside where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and `T = e^{ia} + m
     /// e^{i zk a}`.
     #[must_use]
     pub fn repulsion(&self) -> f64 {
@@ -230,7 +229,7 @@ impl Epitrochoid {
         }
     }
 
-    /// Returns the point of the curve with its offset from the one without.
+    /// Returns the point of the modified curve, from the point `at` of the unmodified curve.
     #[inline(never)]
     fn moved_point(
         &self,
@@ -290,7 +289,7 @@ impl Epitrochoid {
     /// Returns d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
     #[must_use]
     pub fn curvature_slope<S: Scalar>(&self, unit: Complex<S>, multiple: Complex<S>) -> S {
-        /// Step of the differences that an offset needs, rad of a lobe's phase.
+        /// Step of the finite differences for a curve with an offset, rad of a lobe's phase.
         const STEP: f64 = 1e-4;
         if self.own.is_none() {
             return self.bare_slope(unit, multiple);
@@ -345,12 +344,11 @@ impl Epitrochoid {
         1.1 * (0..=last).map(slope).fold(0.0, f64::max) + 1e-3
     }
 
-    /// A Newton step from the tangential residual t ends beside the foot by about `t^2 |speed'|/(2 speed^2)`, where the
-    /// normal differs by kappa times that: rounding only if t is small against both. Sharp pits and many lobes ask for
-    /// residuals smaller than gentle curves do, in proportion to 1/sqrt of the product (in units of R), from samples of
-    /// half a lobe.
+    /// A Newton step from the tangential residual t ends beside the foot by about `t^2 |speed'|/(2 speed^2)`, where the normal
+    /// differs by kappa times that. The result is exact to rounding only if t is small against both. Sharp pits and many lobes
+    /// require smaller residuals, in proportion to 1/sqrt of the product (in units of R), from samples of half a lobe.
     fn settling_share(&self) -> f64 {
-        /// The product up to which the tolerances suffice as they are; the paper's curve has 1942.
+        /// Largest product for which the tolerances suffice unchanged; the paper's curve has 1942.
         const GENTLE: f64 = 2000.0;
         let (m, half) = (
             self.shortening,
@@ -379,16 +377,16 @@ impl Epitrochoid {
         (GENTLE / largest).sqrt().min(1.0)
     }
 
-    /// Computes the reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside,
+    /// Returns the reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside,
     /// m. The third value is the largest sqrt(g)/(2 rho), with rho the local reach outside, 1/m.
     ///
-    /// Computed from samples of half a lobe, which mirrors the other half, against the whole curve, and lowered by the
-    /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.
+    /// Samples of half a lobe, which mirrors the other half, are compared with the entire curve. The result is lowered by a
+    /// margin for the sampling; the curvature bound, which the samples approach last, is exact.
     fn reaches(&self) -> (f64, f64, f64) {
         const LANES: usize = 4;
         let lobes = self.lobes();
         let per_lobe = self.samples(48);
-        // Far lobes only matter across the disc; thinning them keeps huge gears cheap.
+        // Distant lobes matter only across the disc; thinning them keeps huge gears cheap.
         let stride = (lobes / 256).max(1);
         let step = std::f64::consts::TAU / f64::from(lobes * per_lobe);
         let (mut xs, mut ys) = (Vec::new(), Vec::new());
@@ -399,13 +397,13 @@ impl Epitrochoid {
                 ys.push(other.im);
             }
         }
-        // Whole lanes: the first place again changes nothing.
+        // Padding to full lanes with the first place, which changes nothing.
         let whole = xs.len().next_multiple_of(LANES);
         xs.resize(whole, xs[0]);
         ys.resize(whole, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
-        // Lobes with an offset are no mirror images.
+        // Lobes with an offset are not symmetric.
         let last = if self.has_offset() {
             per_lobe
         } else {
@@ -417,8 +415,8 @@ impl Epitrochoid {
             if x.curvature < 0.0 {
                 here = here.min(-1.0 / x.curvature);
             }
-            // Half the curvatures of the balls that touch here and meet the curve there, by their side; of the place itself
-            // NaN, which is neither more nor less.
+            // Half the curvatures of the balls that touch here and meet the curve there, by side; NaN for the place itself,
+            // which affects no extreme.
             let (mut most, mut least) = ([0.0; LANES], [0.0; LANES]);
             for (xs, ys) in xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)) {
                 for lane in 0..LANES {
@@ -445,7 +443,7 @@ impl Epitrochoid {
             outside = outside.min(1.0 / sharpest_pit);
         }
         inside = inside.min(1.0 / self.largest_curvature());
-        // A convex curve has no bound outside; keep it finite.
+        // A convex curve has no bound outside; the value stays finite.
         (
             0.9 * outside.min(10.0 * self.pitch_radius),
             0.9 * inside,

@@ -1,7 +1,7 @@
 //! Friction: regularised Coulomb (Eq. 21, made symmetric), and Adams' form with two velocities.
 //!
-//! The paper: |F_t| = mu F_n clamp(|v_t|/v_s, 0, 1), against the sliding. Eq. 22 as printed is 0 for v_t < 0
-//! and would leave that direction without friction.
+//! The paper: |F_t| = mu F_n clamp(|v_t|/v_s, 0, 1), against the sliding. Eq. 22 as printed is 0 for v_t < 0, which would leave
+//! that direction without friction.
 //!
 //! Adams: mu(v) rises through STEP from -mu_s at -v_s to mu_s at v_s and falls to mu_d at v_d (stiction
 //! transition and friction transition velocity); source: MSC Adams documentation, CONTACT, Coulomb friction.
@@ -14,12 +14,12 @@ use crate::laws::step;
 pub struct RegularisedCoulomb {
     /// Coefficient of friction mu.
     pub coefficient: f64,
-    /// v_s, m/s.
+    /// Sliding speed v_s at which the full force is reached, m/s.
     pub ramp: f64,
 }
 
 impl RegularisedCoulomb {
-    /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
+    /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
     #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
@@ -32,18 +32,18 @@ impl RegularisedCoulomb {
 /// Coulomb friction with a static peak and a dynamic plateau.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdamsFriction {
-    /// mu_s, at `static_speed`.
+    /// Static coefficient mu_s, at `static_speed`.
     pub static_coefficient: f64,
-    /// mu_d, from `dynamic_speed` on.
+    /// Dynamic coefficient mu_d, from `dynamic_speed` on.
     pub dynamic_coefficient: f64,
-    /// v_s, m/s.
+    /// Sliding speed v_s of the static peak, m/s.
     pub static_speed: f64,
-    /// v_d > v_s, m/s.
+    /// Sliding speed v_d > v_s of the dynamic plateau, m/s.
     pub dynamic_speed: f64,
 }
 
 impl AdamsFriction {
-    /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
+    /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
     #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
@@ -76,7 +76,7 @@ pub enum Friction {
 }
 
 impl Friction {
-    /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
+    /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
     #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {

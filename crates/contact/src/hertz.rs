@@ -42,7 +42,7 @@ impl Material {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
     coefficient: f64,
-    /// Pin radius and power, for laws that depend on the pin's radius besides R.
+    /// Pin radius and power of the factor on K, for laws that depend on the pin's radius besides R.
     sleeve: Option<(f64, f64)>,
     /// Factor in holes.
     internal: f64,
@@ -70,7 +70,7 @@ impl HertzStiffness {
         Self { internal, ..self }
     }
 
-    /// Returns the stiffness with fixed K of ring and output pins, whatever their radii.
+    /// Returns the stiffness with fixed K of ring and output pins, for all radii.
     #[must_use]
     pub fn of_stages(self, stages: [f64; 2]) -> Self {
         Self {
@@ -79,13 +79,13 @@ impl HertzStiffness {
         }
     }
 
-    /// Returns true if K changes with the curvature.
+    /// True if K changes with the curvature.
     #[must_use]
     pub fn is_curved(&self) -> bool {
         self.stages.is_none()
     }
 
-    /// Returns the stiffness with a factor (`radius`/sleeve)^`power` on K: pins of that radius (m) have Hertz's.
+    /// Returns the stiffness with a factor (`radius`/sleeve)^`power` on K: pins of that radius (m) have Hertz's K.
     #[must_use]
     pub fn with_sleeve(self, radius: f64, power: f64) -> Self {
         Self {

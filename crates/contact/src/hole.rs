@@ -1,4 +1,4 @@
-//! A round hole in the disc with a pin inside.
+//! Round hole in the disc with a pin inside.
 
 use crate::{Complex, Scalar};
 

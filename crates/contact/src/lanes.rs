@@ -1,7 +1,7 @@
-//! Several values side by side in vector registers, for whatever instruction set is in use.
+//! Several values side by side in vector registers, for any instruction set.
 //!
-//! `S` is the instruction set (pulp picks it when the program runs). A [`Lanes`] is two of its
-//! registers, whose latencies overlap: 8 doubles with AVX2, 2 on a machine without vectors.
+//! `S` is the instruction set, which pulp selects at run time. A [`Lanes`] is two of its registers, whose latencies overlap: 8
+//! doubles with AVX2, 2 on a machine without vectors.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,7 +16,7 @@ use crate::{Complex, Real};
 /// use pinwheel_contact::{Lanes, Real};
 /// use pulp::Simd;
 ///
-/// /// Root of every value, several at a time, with what the processor has.
+/// /// Root of every value, several at a time, by the vector instructions of the processor.
 /// struct Roots<'a>(&'a mut [f64]);
 ///
 /// impl pulp::WithSimd for Roots<'_> {
@@ -40,15 +40,15 @@ pub struct Lanes<S: Simd> {
     v: [S::f64s; 2],
 }
 
-/// A truth value for each lane.
+/// Truth value for each lane.
 #[derive(Debug, Clone, Copy)]
 pub struct Mask<S: Simd> {
     simd: S,
     m: [S::m64s; 2],
 }
 
-/// Both registers by one expression, of numbers (`Lanes`, `v`) or of truth values (`Mask`, `m`). Not a closure: the compiler may
-/// leave closures outside of the function that has the vector instructions, and each operation becomes a call.
+/// Applies one expression to both registers, of numbers (`Lanes`, `v`) or of truth values (`Mask`, `m`). A closure may end up
+/// outside of the function with the vector instructions, so that each operation becomes a call.
 macro_rules! both {
     ($self:ident, $k:ident, $value:expr) => {
         both!(Lanes.v, $self, $k, $value)
@@ -72,10 +72,10 @@ macro_rules! both {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// Values in one group.
+    /// Number of values in one group.
     pub const COUNT: usize = 2 * S::F64_LANES;
 
-    /// All lanes alike.
+    /// Sets all lanes to one value.
     #[must_use]
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
@@ -92,7 +92,7 @@ impl<S: Simd> Lanes<S> {
         self.simd
     }
 
-    /// The first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
+    /// Loads the first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
     #[must_use]
     #[inline(always)]
     pub fn load(simd: S, values: &[f64]) -> Self {
@@ -106,7 +106,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// Two values, one a register.
+    /// Sets each register to one of two values.
     #[must_use]
     #[inline(always)]
     pub fn splat_pair(simd: S, [a, b]: [f64; 2]) -> Self {
@@ -116,7 +116,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// A register from the front of each of two slices; lanes beyond their ends are 0.
+    /// Loads one register from the front of each of two slices; lanes beyond their ends are 0.
     #[must_use]
     #[inline(always)]
     pub fn load_pair(simd: S, [a, b]: [&[f64]; 2]) -> Self {
@@ -134,7 +134,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// One register from the front of a slice, 0 in the other one: what is only done to this costs nothing.
+    /// Loads one register from the front of a slice and sets the other to 0; operations on the first alone cost nothing extra.
     #[must_use]
     #[inline(always)]
     pub fn load_first(simd: S, values: &[f64]) -> Self {
@@ -178,21 +178,21 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// The lanes as numbers.
+    /// Returns the lanes as numbers.
     #[must_use]
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         pulp::bytemuck::cast_slice(&self.v)
     }
 
-    /// The lanes as numbers.
+    /// Returns the lanes as mutable numbers.
     #[inline(always)]
     pub fn as_mut_slice(&mut self) -> &mut [f64] {
         pulp::bytemuck::cast_slice_mut(&mut self.v)
     }
 
-    /// Inverse square roots of positive numbers, to 2 units of the last place: half of the exponent by integers, then
-    /// Newton's steps of third order. Dividers and roots would take several times as long as these products.
+    /// Inverse square roots of positive numbers, to 2 units of the last place: half of the exponent by integers, then Newton's
+    /// steps of third order. Dividers and roots take several times as long as these products.
     #[must_use]
     #[inline(always)]
     pub fn inverse_sqrt(self) -> Self {
@@ -225,12 +225,12 @@ impl<S: Simd> Lanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
-        // pulp's own abs is not inlined everywhere.
+        // pulp's own abs is not always inlined.
         let rest = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
         both!(self, k, self.simd.and_f64s(self.v[k], rest))
     }
 
-    /// Where `self < other`; false for NaN.
+    /// Mask of `self < other`; false for NaN.
     #[must_use]
     #[inline(always)]
     pub fn less(self, other: Self) -> Mask<S> {
@@ -242,7 +242,7 @@ impl<S: Simd> Lanes<S> {
         )
     }
 
-    /// `self` where the mask is set, 0 elsewhere, whatever stands there.
+    /// Returns `self` where the mask is set and 0 elsewhere, also for NaN.
     #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
@@ -250,11 +250,11 @@ impl<S: Simd> Lanes<S> {
         self.or_where(mask, zero)
     }
 
-    /// `self` where the mask is set, `other` elsewhere.
+    /// Returns `self` where the mask is set, `other` elsewhere.
     #[must_use]
     #[inline(always)]
     pub fn or_where(self, mask: Mask<S>, other: Self) -> Self {
-        // pulp's own selection of numbers is not inlined everywhere, that of integers is.
+        // pulp's own selection of numbers is not always inlined, that of integers is.
         both!(self, k, {
             let (yes, no) = (cast(self.v[k]), cast(other.v[k]));
             cast(self.simd.select_u64s(mask.m[k], yes, no))
@@ -294,10 +294,10 @@ impl<S: Simd> Real for Lanes<S> {
     #[inline(always)]
     fn ln(mut self) -> Self {
         const MANTISSA: u64 = (1 << 52) - 1;
-        // The exponent stands 20 bits up in the upper half; there the lowest bit of a number of 2^20 is 1.
+        // The exponent begins at bit 20 of the upper half; there the lowest bit of a number of 2^20 is 1.
         const UNIT: f64 = 1_048_576.0;
         const UPPER: u64 = 0x7ff << 32;
-        // 32 bits, so that multiples of it are exact, and the rest.
+        // ln 2 in two parts: one of 32 bits, whose multiples are exact, and the remainder.
         const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
         if const { size_of::<S::u32s>() != size_of::<S::f64s>() } {
             for x in self.as_mut_slice() {
@@ -388,7 +388,7 @@ impl<S: Simd> Mask<S> {
         self.first_set() < Lanes::<S>::COUNT
     }
 
-    /// Number of the first lane that is set; [`Lanes::COUNT`] if none is.
+    /// Returns the index of the first set lane; [`Lanes::COUNT`] if none is.
     #[must_use]
     #[inline(always)]
     pub fn first_set(self) -> usize {
@@ -400,25 +400,25 @@ impl<S: Simd> Mask<S> {
         }
     }
 
-    /// The first of a register that is set; as many as there are if none is.
+    /// Returns the index of the first set lane of a register; its number of lanes if none is.
     #[inline(always)]
     fn first_of(self, register: usize) -> usize {
         let mask = self.m[register];
-        // pulp 0.22 counts bits from the wrong end where a lane is a bit.
+        // pulp 0.22 counts bits from the wrong end where a lane is one bit.
         if const { size_of::<S::m64s>() == 1 && S::F64_LANES == 8 } {
             return cast::<S::m64s, u8>(mask).trailing_zeros() as usize;
         }
         self.simd.first_true_m64s(mask)
     }
 
-    /// One lane.
+    /// Returns one lane.
     #[must_use]
     #[inline(always)]
     pub fn lane(self, k: usize) -> bool {
         Lanes::splat(self.simd, 1.0).only(self).as_slice()[k] != 0.0
     }
 
-    /// The first `count` lanes.
+    /// Sets the first `count` lanes.
     #[must_use]
     #[inline(always)]
     pub fn first(simd: S, count: usize) -> Self {
@@ -450,14 +450,14 @@ impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        // pulp's own neg is not inlined everywhere.
+        // pulp's own neg is not always inlined.
         let sign = self.simd.splat_f64s(-0.0);
         both!(self, k, self.simd.xor_f64s(self.v[k], sign))
     }
 }
 
-/// Taylor coefficients of (cos x - 1)/x^2 and (sin x - x)/x^3 in x^2, highest first: on [-pi/2, pi/2] what follows is
-/// below 1e-17.
+/// Taylor coefficients of (cos x - 1)/x^2 and (sin x - x)/x^3 in x^2, highest first: on [-pi/2, pi/2] the remainder is below
+/// 1e-17.
 const COS: [f64; 10] = inverse_factorials(20);
 const SIN: [f64; 10] = inverse_factorials(21);
 
@@ -481,14 +481,14 @@ const fn inverse_factorials(last: u32) -> [f64; 10] {
 pub type ComplexLanes<S> = Complex<Lanes<S>>;
 
 impl<S: Simd> ComplexLanes<S> {
-    /// All lanes alike.
+    /// Sets all lanes to one vector.
     #[must_use]
     #[inline(always)]
     pub fn splat(simd: S, z: Complex) -> Self {
         Self::new(Lanes::splat(simd, z.re), Lanes::splat(simd, z.im))
     }
 
-    /// One lane.
+    /// Returns one lane.
     #[must_use]
     #[inline(always)]
     pub fn lane(&self, k: usize) -> Complex {
@@ -502,7 +502,7 @@ impl<S: Simd> ComplexLanes<S> {
         self.im.as_mut_slice()[k] = z.im;
     }
 
-    /// One value a register.
+    /// Sets each register to one of two vectors.
     #[must_use]
     #[inline(always)]
     pub fn splat_pair(simd: S, [a, b]: [Complex; 2]) -> Self {
@@ -516,14 +516,14 @@ impl<S: Simd> ComplexLanes<S> {
     #[must_use]
     #[inline(always)]
     pub fn units(angle: Lanes<S>) -> Self {
-        // Multiples up to here times the first two parts of pi are exact: parts of 32 bits [Cody & Waite 1980].
+        // Largest multiple whose products with the first two parts of pi are exact: parts of 32 bits [Cody & Waite 1980].
         const MOST: f64 = 3e6;
         const PI: [f64; 3] = [
             3.141_592_653_468_251_2,
             1.215_420_101_260_793_2e-10,
             4.044_532_497_591_901e-21,
         ];
-        // Adding and taking it away rounds to a whole number.
+        // Adding and subtracting this rounds to an integer.
         const ROUND: f64 = 6_755_399_441_055_744.0;
         let c = |x: f64| angle.like(x);
         let whole = |x: Lanes<S>| (x + c(ROUND)) - c(ROUND);
@@ -556,7 +556,7 @@ impl<S: Simd> ComplexLanes<S> {
         unit
     }
 
-    /// `self` where the mask is set, 0 elsewhere.
+    /// Returns `self` where the mask is set, 0 elsewhere.
     #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {

@@ -20,12 +20,11 @@
 //!          K, delta, d(delta)/dt --> Law --> F_n, stored energy, force along the profile
 //!                F_n, v_t --> Friction --> F_t
 //! ```
-//! [`HolePoints`] and [`ProfilePoints`] replace the exact curves by discrete points, as published. The same search for
-//! several pins at once, in vector registers, is [`Epitrochoid::penetrating_feet`] with [`Lanes`]; the scalar one is
-//! its oracle. [`laws`] lists the laws and says how to add one.
+//! [`HolePoints`] and [`ProfilePoints`] replace the exact curves by discrete points, as published.
+//! [`Epitrochoid::penetrating_feet`] searches for several pins at once in vector registers ([`Lanes`]), verified against the
+//! scalar search. [`laws`] lists the laws and explains how to add one.
 //!
-//! A pin pressed 20 um into the tip of a lobe of the paper's disc (e = 2.8 mm, zk = 16, m = 0.7), by the program and by
-//! hand:
+//! A pin pressed 20 um into the tip of a lobe of the paper's disc (e = 2.8 mm, zk = 16, m = 0.7), by the program and by hand:
 //! ```
 //! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, Material, NormalLaw};
 //!

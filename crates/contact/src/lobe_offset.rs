@@ -7,9 +7,9 @@
 
 use std::f64::consts::TAU;
 
-/// Most points or orders: beyond these an offset has ripples shorter than any contact.
+/// Largest number of points or orders: beyond it an offset has ripples shorter than any contact.
 const MOST: usize = 1000;
-/// Sweeps that solve the equations of the spline, whose error falls to a half with each at least.
+/// Number of sweeps for the equations of the spline; each at least halves the error.
 const SWEEPS: usize = 60;
 
 /// Periodic function of a lobe's phase with two continuous derivatives.
@@ -91,7 +91,7 @@ impl LobeOffset {
         ]
     }
 
-    /// Returns the number of samples of a lobe that show every wave and every piece.
+    /// Returns the number of samples of a lobe that resolve every wave and every piece.
     #[must_use]
     pub fn samples(&self) -> u32 {
         16 * self.series.len().max(self.knots.len()).max(6) as u32

@@ -1,14 +1,13 @@
-//! Discrete contact points, as published, without the scan of all of them.
+//! Discrete contact points, as published, without a scan of all of them.
 //!
-//! The paper lists the points of the disc that lie inside the pin and takes the one nearest
-//! to the pin's centre. Squared distances from P to the profile C - q n and to C itself are
-//! stationary at the same parameters (both normals are n), so the nearest vertex is one of the
-//! neighbours of the exact foot, which the closest-point search gives at a cost that does not
-//! depend on the number of points. A downhill walk from there guards coarse rows of points.
+//! The paper lists the points of the disc inside the pin and takes the one nearest to the pin's centre. Squared distances from
+//! P to the profile C - q n and to C are stationary at the same parameters (both normals are n). So the nearest vertex is a
+//! neighbour of the exact foot, and the cost of the closest-point search does not depend on the number of points. A downhill
+//! walk from there covers coarse rows of points.
 
 use crate::{Complex, Epitrochoid, HertzStiffness};
 
-/// A discrete point of the disc.
+/// Discrete point of the disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
     /// Position in the disc frame, m.
@@ -78,7 +77,7 @@ impl ProfilePoints {
         let (mut best, mut least) = (low, distance2(low));
         for direction in [1, -1] {
             let mut k = if direction == 1 { low + 1 } else { low - 1 };
-            // n steps at most: the walk cannot go round for ever.
+            // At most n steps, so that the walk ends.
             for _ in 0..n {
                 let value = distance2(k);
                 if value >= least {
@@ -124,7 +123,7 @@ impl HolePoints {
         }
     }
 
-    /// Direction (unit vector from the hole's centre) of the point nearest to the direction of `offset`.
+    /// Returns the direction (unit vector from the hole's centre) of the point nearest to the direction of `offset`.
     #[must_use]
     #[inline]
     pub fn nearest(&self, offset: Complex) -> Complex {

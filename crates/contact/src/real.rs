@@ -1,9 +1,8 @@
-//! Operations on a number that the formulas of contacts need, so that each formula stands once for one value and for
-//! several side by side, and with its derivatives.
+//! Numbers in contact formulas, so that each formula is written once for scalars, for lanes and for derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A double, a group of them in vector registers ([`Lanes`](crate::Lanes)), or one with its derivatives
+/// Number: a double, a group of doubles in vector registers ([`Lanes`](crate::Lanes)), or a double with derivatives
 /// ([`Dual`](crate::Dual)).
 pub trait Real:
     Copy
@@ -13,7 +12,7 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// A constant, in all lanes of such a group.
+    /// Constant `x`, in all lanes.
     #[must_use]
     fn like(self, x: f64) -> Self;
 
@@ -37,16 +36,16 @@ pub trait Real:
     #[must_use]
     fn min(self, other: Self) -> Self;
 
-    /// self * factor + term, fused in lanes where that is one instruction; a double is rounded twice.
+    /// Returns self * factor + term, fused in lanes where that is one instruction; a double is rounded twice.
     #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
-    /// `yes` where self < limit, `no` elsewhere.
+    /// Selects `yes` where self < limit, `no` elsewhere.
     #[must_use]
     fn below(self, limit: Self, yes: Self, no: Self) -> Self;
 }
 
-/// One number, whose value may decide which way a formula goes.
+/// Single number, whose value may select a branch of a formula.
 pub trait Scalar: Real {
     /// Value, without its derivatives.
     #[must_use]

@@ -1,12 +1,12 @@
 //! Constants of a curve for the search of closest points in lanes ([`crate::closest_lanes`]).
 
-/// Constants of a curve that the search needs, in units of R.
+/// Constants of a curve for the search, in units of R.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Search {
     pub(crate) zk: f64,
-    /// 1/zk.
+    /// Inverse 1/zk.
     pub(crate) per_zk: f64,
-    /// 1/R, 1/m.
+    /// Inverse radius 1/R, 1/m.
     pub(crate) per_radius: f64,
     /// Shortening m.
     pub(crate) shortening: f64,

@@ -1,7 +1,7 @@
-//! Store of things that are made once and kept: folders below the user's cache folder, complete or absent.
+//! Cache of builds: folders in the user's cache folder, complete or absent.
 //!
-//! A folder is built beside its place and renamed when it is complete; a lock lets one process build while others wait. What
-//! an interrupted build leaves is removed by the next.
+//! A folder is built beside its place and renamed when complete; a lock lets one process build while others wait. The next
+//! build removes the remains of an interrupted one.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -32,7 +32,7 @@ pub fn storage(path: &Path, reason: impl ToString) -> Halt {
     .into()
 }
 
-/// Returns the failure, or the cancellation if the user asked to stop.
+/// Returns the failure, or the cancellation if the user requested a stop.
 pub fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
     if cancel.load(Ordering::Relaxed) {
         Cancelled.into()
@@ -41,8 +41,8 @@ pub fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
     }
 }
 
-/// Caches a resource, or the reason why it is unavailable, for the life of the process, so that every engine of a
-/// comparison need not retry. A stop by the user is not cached.
+/// Caches a resource, or the reason why it is unavailable, for the life of the process, so that not every engine of a
+/// comparison retries. A stop by the user is not cached.
 pub struct Memo<T>(Mutex<Option<Result<T, Halt>>>);
 
 impl<T: Clone> Memo<T> {
@@ -77,15 +77,15 @@ pub fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBu
         if fs::read_to_string(&path).is_ok_and(|there| there == *text) {
             continue;
         }
-        // Whole or not at all, also for a process that reads at this moment.
+        // Complete or absent, also for a process that reads at this moment.
         replace(&path, text.as_bytes(), &|_| true).map_err(|error| storage(&path, error.reason))?;
     }
     Ok(folder)
 }
 
-/// A build that is made once and cached.
+/// Build that is made once and cached.
 pub struct CachedBuild<'a, T> {
-    /// Name of the folder; depends on all inputs of the build.
+    /// Name of the folder, which depends on all inputs of the build.
     pub name: &'a str,
     /// Title of the progress note.
     pub title: &'static str,
@@ -99,14 +99,14 @@ impl<T> CachedBuild<'_, T> {
     /// Returns the build from the folder `cache`, or makes it under a lock.
     ///
     /// # Errors
-    /// The build's; a folder that cannot be written; a stop.
+    /// Errors of the build; a folder that cannot be written; a stop.
     pub fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
         let folder = cache.join(self.name);
         if let Some(content) = (self.whole)(&folder) {
             return Ok(content);
         }
         let _lock = lock(&cache.join(format!("{}.lock", self.name)), cancel)?;
-        // Another process may have made it meanwhile.
+        // Another process may have built it meanwhile.
         if let Some(content) = (self.whole)(&folder) {
             return Ok(content);
         }
@@ -116,25 +116,25 @@ impl<T> CachedBuild<'_, T> {
         let note = Note::new(self.title);
         let built = (self.build)(draft.path(), &note);
         drop(note);
-        // Whatever it complains of, a stop is why.
+        // After a stop any failure counts as the stop.
         built.map_err(|failure| unless_stopped(cancel, failure))?;
         if folder.exists() {
             fs::remove_dir_all(&folder).map_err(refused)?;
         }
         fs::rename(draft.keep(), &folder).map_err(refused)?;
         (self.whole)(&folder).ok_or_else(|| {
-            let reason = "what was just made does not start, or lacks what was asked for";
+            let reason = "the new build does not start, or lacks a required part";
             unless_stopped(cancel, storage(&folder, reason))
         })
     }
 }
 
-/// Returns the prefix of folders in which a build is under way; complete folders do not have it.
+/// Returns the prefix of folders under construction, which complete folders do not have.
 fn drafts_of(name: &str) -> String {
     format!(".{name}.")
 }
 
-/// Drafts of builds that were cut off: nobody else builds while we hold the lock.
+/// Removes drafts of interrupted builds; the lock excludes other builds.
 fn remove_leftovers(cache: &Path, name: &str) {
     let prefix = drafts_of(name);
     for entry in fs::read_dir(cache).into_iter().flatten().flatten() {
@@ -144,7 +144,7 @@ fn remove_leftovers(cache: &Path, name: &str) {
     }
 }
 
-/// Takes an exclusive lock that lasts as long as the returned file; the system frees it when a process dies.
+/// Takes an exclusive lock for the life of the returned file; the system releases it when the process ends.
 pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
     let file = File::options()
         .create(true)
@@ -158,7 +158,7 @@ pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
             Ok(()) => return Ok(file),
             Err(TryLockError::WouldBlock) => {
                 note.get_or_insert_with(|| Note::new("waiting"))
-                    .say("another process makes what this one needs");
+                    .say("another process builds the required parts");
                 if cancel.load(Ordering::Relaxed) {
                     return Err(Cancelled.into());
                 }
@@ -169,7 +169,7 @@ pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
     }
 }
 
-/// FNV-1a, 64 bits: tells versions of a text apart in a name; stable across compilers, unlike std's.
+/// Returns the FNV-1a hash, 64 bits, of texts for use in a name; independent of the compiler, unlike std's.
 pub fn fingerprint(parts: &[&str]) -> u64 {
     let mut hash = pinwheel_files::Fnv::default();
     parts.iter().for_each(|part| hash.add_part(part.as_bytes()));

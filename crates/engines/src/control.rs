@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// The user asked to stop.
+/// Stop requested by the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("stopped")]
 pub struct Cancelled;
@@ -11,22 +11,22 @@ pub struct Cancelled;
 /// Progress of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress<'a> {
-    /// Pieces done.
+    /// Number of completed pieces.
     pub done: usize,
-    /// Pieces in all.
+    /// Total number of pieces.
     pub total: usize,
-    /// The piece that is worked on, e.g. a scene's name.
+    /// Present piece, e.g. a scene's name.
     pub piece: &'a str,
-    /// Simulated time of all pieces together, reached and in all, s, where pieces are runs.
+    /// Simulated time of all pieces together, reached and total, s, if pieces are runs.
     pub simulated_s: Option<[f64; 2]>,
-    /// CPU time of the run's thread, where that is not the thread that reports.
+    /// CPU time of the run's thread, if another thread reports.
     pub cpu: Option<Duration>,
-    /// Time left, s, where it is known from elsewhere than simulated time.
+    /// Remaining time, s, if known from other sources than simulated time.
     pub left_s: Option<f64>,
 }
 
 impl<'a> Progress<'a> {
-    /// The piece begins.
+    /// Creates the progress at the start of a piece.
     #[must_use]
     pub fn new(done: usize, total: usize, piece: &'a str) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// The piece, a run of `duration_s` as all others are, has come to `time_s`.
+    /// Returns the progress of the piece, a run of `duration_s` like all others, at `time_s`.
     fn reached(self, time_s: f64, duration_s: f64) -> Self {
         let at = self.done as f64 * duration_s + time_s;
         Self {
@@ -48,8 +48,7 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// The piece, its number, and the time left where simulated time passes; short, because what a terminal has no room
-    /// for is cut off.
+    /// Returns piece, number and, with simulated time, the remaining time; short, because terminals cut long lines.
     #[must_use]
     pub fn sentence(&self, elapsed_s: f64) -> String {
         let mut text = String::new();
@@ -67,7 +66,7 @@ impl<'a> Progress<'a> {
     }
 }
 
-/// Seconds, minutes or hours.
+/// Formats seconds, minutes or hours.
 fn span(time_s: f64) -> String {
     if time_s < 90.0 {
         format!("{time_s:.0} s")
@@ -78,19 +77,19 @@ fn span(time_s: f64) -> String {
     }
 }
 
-/// Cancellation and progress. Cheap enough to be asked at every sample.
+/// Cancellation and progress; cheap enough for a check at every sample.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
-    /// Flag set from outside (Ctrl-C) to stop; checked in every sample of every run.
+    /// Flag for a stop, set from outside (Ctrl-C); checked in every sample of every run.
     pub cancel: &'a AtomicBool,
-    /// Called at the beginning of every piece of a study, and in every sample of a run.
+    /// Callback at the start of every piece of a study, and in every sample of a run.
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
     at: Progress<'a>,
     duration_s: f64,
 }
 
 impl<'a> Control<'a> {
-    /// Stops once `cancel` is set, and reports to `progress`.
+    /// Creates a control that stops when `cancel` is set, and reports to `progress`.
     #[must_use]
     pub fn new(cancel: &'a AtomicBool, progress: &'a (dyn Fn(Progress<'_>) + Sync)) -> Self {
         Self {
@@ -101,20 +100,20 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// Never cancels, reports nothing.
+    /// Returns a control that never stops and reports nothing.
     #[must_use]
     pub fn quiet() -> Control<'static> {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Control::silent(&NEVER)
     }
 
-    /// Stops once `cancel` is set, and reports nothing.
+    /// Creates a control that stops when `cancel` is set, and reports nothing.
     #[must_use]
     pub fn silent(cancel: &'a AtomicBool) -> Self {
         Self::new(cancel, &|_| {})
     }
 
-    /// Names the piece `at` of a study that the run is.
+    /// Sets the piece of a study to which the run belongs.
     #[must_use]
     pub fn piece(self, at: Progress<'a>) -> Self {
         Self { at, ..self }
@@ -140,14 +139,14 @@ impl<'a> Control<'a> {
         Self { duration_s, ..self }
     }
 
-    /// Reports the simulated time; true when the run must stop.
+    /// Reports the simulated time; returns true if the run must stop.
     #[must_use]
     pub fn reached(&self, time_s: f64) -> bool {
         (self.progress)(self.at.reached(time_s, self.duration_s));
         self.is_cancelled()
     }
 
-    /// As [`reached`](Self::reached), of a run on another thread, whose CPU time this is.
+    /// Reports like [`reached`](Self::reached) for a run on another thread with this CPU time.
     #[cfg(feature = "python")]
     pub(crate) fn reached_elsewhere(&self, time_s: f64, cpu: Duration) -> bool {
         (self.progress)(Progress {
@@ -157,16 +156,16 @@ impl<'a> Control<'a> {
         self.is_cancelled()
     }
 
-    /// True if the run has to stop.
+    /// True if the run must stop.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }
 
-    /// Fails once asked to stop.
+    /// Returns an error after a stop was requested.
     ///
     /// # Errors
-    /// That.
+    /// The requested stop.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() {
             return Err(Cancelled);

@@ -1,4 +1,4 @@
-//! The one interface of all engines.
+//! Common interface of all engines.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use pinwheel_timeseries::figure::Figure;
 use crate::control::{Cancelled, Control};
 use crate::info::EngineInfo;
 
-/// A run, however it ended.
+/// Run with any ending.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Columns of the contract at the scene's sample times; a run that ended early has only the samples until its end.
@@ -23,14 +23,14 @@ pub struct Run {
     pub ending: Ending,
     /// Cost and settings.
     pub stats: RunStats,
-    /// The numerical uncertainty of the time series, where the engine verified them itself (`auto`, `native-resolved`).
+    /// Numerical uncertainty of the time series, if the engine verified them itself (`auto`, `native-resolved`).
     pub uncertainty: Option<Uncertainty>,
-    /// Figures that no time series holds, of what has none.
+    /// Figures of results without time series.
     pub figures: Vec<Figure>,
 }
 
 impl Run {
-    /// A finished run of an engine that knows nothing of its uncertainty.
+    /// Returns a finished run without a stated uncertainty.
     #[must_use]
     pub fn new(time_series: TimeSeries, stats: RunStats) -> Self {
         Self {
@@ -42,7 +42,7 @@ impl Run {
         }
     }
 
-    /// A run that ended without time series.
+    /// Returns a run that ended without time series.
     #[must_use]
     pub fn ended(ending: Ending) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Run {
         Self { ending, ..self }
     }
 
-    /// The run if it finished.
+    /// Returns the run if it finished.
     ///
     /// # Errors
     /// Any other ending.
@@ -65,7 +65,7 @@ impl Run {
         self.ending.whole().map(|()| self)
     }
 
-    /// Adds a note if channels that the scene asks for are not among the time series.
+    /// Adds a note if requested channels are missing in the time series.
     fn note_missing_channels(&mut self, scene: &Scene) {
         let Ok(asked) = Channels::of(scene) else {
             return;
@@ -77,7 +77,7 @@ impl Run {
         let families = missing.families().into_iter();
         let families: Vec<&str> = families.map(|(family, _)| family.pattern).collect();
         self.stats.notes.push(format!(
-            "This engine does not know {} of the {} channels asked for: {}.",
+            "This engine does not know {} of the {} requested channels: {}.",
             missing.len(),
             asked.len(),
             families.join(", ")
@@ -85,18 +85,18 @@ impl Run {
     }
 }
 
-/// Reason why an engine stops, for `?` in the code of an engine. The caller of an engine gets an [`Ending`].
+/// Reason for an engine's stop, for `?` inside an engine. The caller of an engine gets an [`Ending`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Halt {
-    /// The user asked to stop.
+    /// Stop requested by the user.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The run ends here, without time series.
+    /// End of the run without time series.
     #[error(transparent)]
     Ended(#[from] Ending),
 }
 
-/// A halt as a run, unless the user asked for it.
+/// Converts a halt to a run, unless the user requested it.
 pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
     match ran {
         Ok(run) => Ok(run),
@@ -105,9 +105,9 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
     }
 }
 
-/// A solver that turns a scene into time series.
+/// Solver that converts a scene to time series.
 ///
-/// One that keeps every body as it starts, recorded as all engines record:
+/// Example: an engine that leaves every body at its start, recorded as by all engines:
 ///
 /// ```
 /// use pinwheel_engines::{
@@ -157,24 +157,24 @@ pub trait Engine: Send + Sync {
     fn info(&self) -> EngineInfo<'_>;
     /// Version of the engine behind it.
     fn version(&self) -> String;
-    /// Changes when the engine is built anew under the same version; empty where it is part of this program.
+    /// Returns a mark that changes with a new build of the same version; empty for engines inside this program.
     fn build(&self) -> String {
         String::new()
     }
-    /// Says whether it honours the scene of `gearbox`, and makes everything ready that a run needs. A caller that runs
-    /// a scene on several engines compiles it once.
+    /// Checks that the engine supports the scene of `gearbox`, and prepares a run. For several engines a caller compiles a
+    /// scene once.
     ///
     /// # Errors
     /// Ending of a run that cannot begin: unsupported, or absent on this machine.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt>;
 
-    /// Returns an earlier run of the compiled scene that was kept; `most` is the CPU time that a run may take. See
+    /// Returns a stored earlier run of the compiled scene; `most` is the permitted CPU time of a run. See
     /// [`Store`](crate::kept::Store).
     fn kept(&self, _gearbox: &Gearbox, _most: Option<Duration>) -> Option<Run> {
         None
     }
 
-    /// Keeps a run that took at most `most`, if runs of this engine are kept.
+    /// Stores a run of at most `most`, if runs of this engine are stored.
     fn keep(&self, _gearbox: &Gearbox, _run: &Run, _most: Option<Duration>) {}
 
     /// Name as typed by users.
@@ -182,15 +182,15 @@ pub trait Engine: Send + Sync {
         self.info().name
     }
 
-    /// Parts that the engine shares with the native solver.
+    /// Returns the parts that the engine shares with the native solver.
     fn track(&self) -> SharedModel {
         self.info().track
     }
 
-    /// Checks that the engine honours the scene.
+    /// Checks that the engine supports the scene.
     ///
     /// # Errors
-    /// As [`prepare`](Self::prepare).
+    /// Errors of [`prepare`](Self::prepare).
     fn supports(&self, scene: &CheckedScene) -> Result<(), Halt> {
         self.prepare(&compile(None, scene)?).map(|_| ())
     }
@@ -198,16 +198,16 @@ pub trait Engine: Send + Sync {
     /// Compiles, prepares and runs a scene.
     ///
     /// # Errors
-    /// Only that the user asked to stop: what an engine does wrong is an [`Ending`] of the run.
+    /// A stop by the user only: failures of an engine are an [`Ending`] of the run.
     fn run(&self, scene: &CheckedScene, control: &Control<'_>) -> Result<Run, Cancelled> {
         self.run_after(&mut None, scene, control)
     }
 
-    /// Runs a scene like [`run`](Self::run), but reuses parts of the gearbox `last` of an earlier run where they are
-    /// equal. On return `last` is the gearbox of this run. Results do not depend on it.
+    /// Runs a scene like [`run`](Self::run), but reuses equal parts of the gearbox `last` of an earlier run. On return `last`
+    /// is the gearbox of this run. Results do not depend on it.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
+    /// Errors of [`run`](Self::run).
     fn run_after(
         &self,
         last: &mut Option<Gearbox>,
@@ -223,7 +223,7 @@ pub trait Engine: Send + Sync {
     /// Prepares and runs a compiled scene.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
+    /// Errors of [`run`](Self::run).
     fn run_compiled(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Cancelled> {
         control.check()?;
         let control = control.lasting(gearbox.scene.solver.duration_s);
@@ -241,11 +241,11 @@ pub trait Engine: Send + Sync {
     }
 }
 
-/// An engine made ready for one scene: runs it from its start, and may be called again. A divergence keeps what was computed;
-/// an error is a stop, or an ending without time series.
+/// Engine prepared for one scene: runs it from its start at each call. A divergence keeps the samples so far; an error is a
+/// stop, or an ending without time series.
 pub type Prepared<'a> = Box<dyn Fn(&Control<'_>) -> Result<Run, Halt> + 'a>;
 
-/// A run of `gearbox` by `run`.
+/// Returns a prepared run of `gearbox` by `run`.
 pub(crate) fn prepared<'a>(
     gearbox: Gearbox,
     run: impl Fn(&Gearbox, &Control<'_>) -> Result<Run, Halt> + 'a,
@@ -253,7 +253,7 @@ pub(crate) fn prepared<'a>(
     Box::new(move |control| run(&gearbox, control))
 }
 
-/// The scene compiled, after another.
+/// Compiles the scene, reusing parts of another gearbox.
 pub(crate) fn compile(last: Option<&Gearbox>, scene: &CheckedScene) -> Result<Gearbox, Ending> {
     Gearbox::after(last, scene).map_err(Ending::unsupported)
 }

@@ -1,4 +1,4 @@
-//! Facts of an engine that are known without running it.
+//! Static facts of an engine.
 
 use pinwheel_compare::model::ModelTolerance;
 use pinwheel_mbs::integrators::{self, UNSEEN};
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::own_contact::OwnContact;
 
-/// Setting that is made smaller for more accuracy.
+/// Setting that controls accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AccuracySetting {
-    /// `solver.step_s`.
+    /// Key `solver.step_s`.
     #[serde(rename(serialize = "step-s", deserialize = "solver.step_s"))]
     Step,
-    /// `solver.tolerance`.
+    /// Key `solver.tolerance`.
     #[serde(rename(serialize = "tolerance", deserialize = "solver.tolerance"))]
     Tolerance,
 }
@@ -47,19 +47,19 @@ impl AccuracySetting {
     }
 }
 
-/// Accuracy setting of an engine and the order of the error in it.
+/// Accuracy setting of an engine with the order of its error.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
-    /// Setting that is made smaller.
+    /// Setting to be reduced.
     #[serde(rename = "key")]
     pub knob: AccuracySetting,
-    /// Order of the error in it.
+    /// Order of the error in the setting.
     pub order: f64,
 }
 
 impl Refinement {
-    /// Refinement by `solver.step_s`.
+    /// Returns a refinement by `solver.step_s`.
     #[must_use]
     pub const fn step(order: f64) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl Refinement {
         }
     }
 
-    /// Refinement by `solver.tolerance`.
+    /// Returns a refinement by `solver.tolerance`.
     #[must_use]
     pub const fn tolerance(order: f64) -> Self {
         Self {
@@ -78,23 +78,23 @@ impl Refinement {
     }
 }
 
-/// The form of the equations that a native engine solves.
+/// Formulation of a native engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Centre-pinned bodies eliminated.
+    /// Reduced form: centre-pinned bodies eliminated.
     Reduced,
-    /// All bodies, Eq. 2.
+    /// Lagrange form: all bodies, Eq. 2.
     Lagrange,
-    /// The reduced form, integrated until the step no longer matters.
+    /// Reduced form, refined until the step no longer matters.
     Resolved,
 }
 
-/// Facts of an engine that are known without running it.
+/// Static facts of an engine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineInfo<'a> {
-    /// Name as typed by users, kebab-case; names of foreign engines say which parts are shared.
+    /// Name as typed by users, kebab-case; names of foreign engines include the shared parts.
     pub name: &'a str,
-    /// Name where the shared parts are shown beside it.
+    /// Short name, used beside the shared parts.
     pub short: &'a str,
     /// Parts that the engine shares with the native solver.
     pub track: SharedModel,
@@ -102,41 +102,41 @@ pub struct EngineInfo<'a> {
     pub summary: &'a str,
     /// Differences from the native solver, in plain words, for the report.
     pub differences: &'a str,
-    /// Key of the scene that controls accuracy, and the order of the error in it; `None` if there is none, and for native
-    /// engines, whose integrators have their own.
+    /// Key of the scene that controls accuracy, with the order of the error; `None` without one, and for native engines, whose
+    /// integrators have their own.
     pub refinement: Option<Refinement>,
-    /// Relative error of the forces that iterations leave at any step.
+    /// Relative error of the forces from iterations, at any step.
     pub floor: f64,
-    /// Error that coarser runs of the engine do not show, as a share of the tolerance.
+    /// Error that coarser runs of the engine do not reveal, as a share of the tolerance.
     pub shared_error: f64,
-    /// Contacts that the engine has in place of the scene's contact law.
+    /// Contacts of the engine that replace the scene's contact law.
     pub own_contact: OwnContact,
     /// Tolerances of the engine's contact model against the native one.
     pub model: &'a [ModelTolerance],
-    /// True if friction is evaluated explicitly, so that it takes short steps to resolve it.
+    /// True if friction is evaluated explicitly, which requires short steps.
     pub explicit_friction: bool,
-    /// True if the engine runs in a process of its own, whose CPU time is not this one's.
+    /// True if the engine runs in a separate process, with its own CPU time.
     pub outside: bool,
-    /// True if the engine runs in the one Python interpreter of a process: one such engine at a time.
+    /// True if the engine runs in the process's single Python interpreter: one such engine at a time.
     pub in_python: bool,
-    /// True for a solver of the user's: a comparison has to show something of it.
+    /// True for a user's solver: a comparison must give evidence for it.
     pub brought: bool,
-    /// The form of a native engine.
+    /// Formulation of a native engine.
     pub form: Option<Form>,
-    /// Number of the colour on every page; `None`: a colour that follows from the name.
+    /// Index of the colour on every page; `None` for a colour derived from the name.
     pub colour: Option<usize>,
-    /// Cargo feature of the builds that have the engine; `None` if all have it.
+    /// Cargo feature of the builds with the engine; `None` for all builds.
     pub feature: Option<&'a str>,
     /// Package whose pinned version is the engine's version.
     pub package: &'a str,
-    /// Significant digits of recordings: rounding to them is a thousandth of the engine's limits.
+    /// Significant digits of recordings, for a rounding of a thousandth of the engine's limits.
     pub digits: usize,
     /// Rank among the substitutes for Adams beside the paper's figures: multibody programs with their own contacts.
     pub stands_in: Option<usize>,
 }
 
 impl<'a> EngineInfo<'a> {
-    /// An engine of which nothing else is known.
+    /// Returns default facts of an engine.
     #[must_use]
     pub const fn own(name: &'a str, track: SharedModel) -> Self {
         Self {
@@ -163,7 +163,7 @@ impl<'a> EngineInfo<'a> {
         }
     }
 
-    /// Returns the program behind the engine: `exudyn` of `exudyn-own-contact`.
+    /// Returns the program of the engine: `exudyn` for `exudyn-own-contact`.
     #[must_use]
     pub fn family(&self) -> &'a str {
         family(self.name)

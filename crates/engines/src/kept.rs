@@ -1,12 +1,12 @@
-//! Runs of other projects' engines that a comparison made, kept for the next one.
+//! Stored runs of other projects' engines, for later comparisons.
 //!
 //! ```text
 //!  engine, version, sources of this program, checked scene with its settings ──> name of a file
-//!  file: hash, description (TOML: a [`Recording`], and how the run ended), samples (numbers of eight bytes)
+//!  file: hash, description (TOML: a [`Recording`], and the ending of the run), samples (numbers of eight bytes)
 //! ```
-//! A kept run is a recording that is whole and not rounded, so that a comparison with it gives what it gave when the run was made.
-//! Nothing of the machine is in its name: a folder may go from one to another. Native runs take no time worth it, and a solver of
-//! the user's is always run.
+//! A stored run is a complete recording without rounding, so that a comparison with it gives the original results. Its name
+//! does not depend on the machine: folders may be copied. Native runs are not stored, because they are fast, and neither are
+//! runs of a user's solver.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -28,16 +28,16 @@ use crate::env::cache;
 use crate::info::EngineInfo;
 use crate::recorded::{Recording, bare};
 
-/// Names the folder of kept runs; if it is set to nothing, none is kept.
+/// Variable with the folder of stored runs; empty to store none.
 pub const RUNS: &str = "PINWHEEL_RUNS";
-/// Beginning of every file.
+/// First bytes of every file.
 const MAGIC: &str = "pinwheel run 1 ";
 /// Ending of every file's name.
 const ENDING: &str = ".run";
-/// Bytes of all files at most.
+/// Largest total size of all files, bytes.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// Returns the folder of kept runs, in the user's cache folder if none is named; `None` if none are kept.
+/// Returns the folder of stored runs, by default in the user's cache folder; `None` if none are stored.
 #[must_use]
 pub fn folder() -> Option<PathBuf> {
     let named = |name: OsString| (!name.is_empty()).then(|| name.into());
@@ -45,27 +45,27 @@ pub fn folder() -> Option<PathBuf> {
     std::env::var_os(RUNS).map_or_else(own, named)
 }
 
-/// Runs of engines in a folder. Several processes may use it at once.
+/// Store of runs in a folder, which several processes may use at once.
 #[derive(Debug)]
 pub struct Store {
     folder: PathBuf,
-    /// Hash of the sources that results depend on.
+    /// Hash of the sources that affect results.
     program: String,
-    /// Machine and day of the runs that are made now.
+    /// Machine and day of new runs.
     machine: String,
     date: String,
-    /// True if only runs that were made since [`opened`](Self::opened) count.
+    /// True if only runs since [`opened`](Self::opened) are used.
     fresh: bool,
     opened: SystemTime,
     said: Mutex<Vec<String>>,
 }
 
-/// Description of a kept run.
+/// Description of a stored run.
 #[derive(Debug, Serialize, Deserialize)]
 struct Kept {
-    /// Everything that the run depends on but the scene.
+    /// All inputs of the run except the scene.
     identity: String,
-    /// CPU time that the run might take, s, where it was limited.
+    /// CPU time limit of the run, s, if there was one.
     limit_s: Option<f64>,
     /// Names of the channels.
     channels: Vec<String>,
@@ -87,10 +87,10 @@ impl Kept {
 }
 
 impl Store {
-    /// Opens a folder, which is made if need be. `fresh`: only runs made from now on count.
+    /// Opens a folder, created if missing. `fresh`: only runs from now on are used.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The folder cannot be written.
     pub fn open(
         folder: &Path,
         fresh: bool,
@@ -101,7 +101,7 @@ impl Store {
         for draft in leftovers(folder) {
             let _ = fs::remove_file(draft);
         }
-        // The clock that stamps the files.
+        // Time by the clock of the file system.
         let stamp = tempfile::NamedTempFile::new_in(folder)?;
         Ok(Self {
             opened: stamp.as_file().metadata()?.modified()?,
@@ -114,7 +114,7 @@ impl Store {
         })
     }
 
-    /// Returns the engines, with those whose runs are kept behind this store.
+    /// Returns the engines, with stores for those whose runs are stored.
     #[must_use]
     pub fn around(self: &Arc<Self>, engines: Vec<Box<dyn Engine>>) -> Vec<Box<dyn Engine>> {
         let around = |engine: Box<dyn Engine>| -> Box<dyn Engine> {
@@ -137,7 +137,7 @@ impl Store {
         engines.into_iter().map(around).collect()
     }
 
-    /// Returns a line for each file that was no good.
+    /// Returns a message for each unusable file.
     #[must_use]
     pub fn said(&self) -> Vec<String> {
         let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
@@ -151,14 +151,14 @@ impl Store {
         }
     }
 
-    /// Returns the number of runs that were made since the store was opened.
+    /// Returns the number of new runs since the store was opened.
     #[must_use]
     pub fn made(&self) -> usize {
         let files = self.files("").into_iter();
         files.filter(|(made, ..)| *made >= self.opened).count()
     }
 
-    /// Returns the CPU time of all runs of an engine on a scene, s, as they were made last; `None` if there are none.
+    /// Returns the CPU time of the latest runs of an engine on a scene, s; `None` if there are none.
     #[must_use]
     pub fn cost_s(&self, engine: &str, scene: &Scene) -> Option<f64> {
         let stem = stem(engine, scene);
@@ -173,7 +173,7 @@ impl Store {
         (!of_setting.is_empty()).then(|| of_setting.values().sum())
     }
 
-    /// Files whose names begin with `stem`, the oldest first: time, path, bytes.
+    /// Returns time, path and size of files whose names begin with `stem`, the oldest first.
     fn files(&self, stem: &str) -> Vec<(SystemTime, PathBuf, u64)> {
         let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let files = entries.filter(|entry| {
@@ -190,7 +190,7 @@ impl Store {
         files
     }
 
-    /// Removes the oldest files until the others have room.
+    /// Removes the oldest files until `room` bytes are free.
     fn trim(&self, room: u64) {
         let files = self.files("");
         let mut bytes: u64 = files.iter().map(|(.., bytes)| bytes).sum();
@@ -205,18 +205,18 @@ impl Store {
     }
 }
 
-/// Beginning of the names of files with runs of an engine on a scene, at any setting.
+/// Returns the prefix of files with runs of an engine on a scene, at any setting.
 fn stem(engine: &str, scene: &Scene) -> String {
     let mut alike = bare(scene);
     (alike.solver.step_s, alike.solver.tolerance) = (0.0, 0.0);
     format!("{engine}-{:016x}-", fnv(alike.to_toml().into_bytes()))
 }
 
-/// An engine with the store of its runs.
+/// Engine with a store of its runs.
 struct Keeper {
     engine: Box<dyn Engine>,
     store: Arc<Store>,
-    /// Program, engine, version and build.
+    /// Hash of program, engine, version and build.
     identity: String,
 }
 
@@ -269,7 +269,7 @@ impl Engine for Keeper {
             ));
             return None;
         };
-        // With more time it might come through.
+        // More time might complete it.
         let limit_s = most.map_or(f64::MAX, |most| most.as_secs_f64());
         if matches!(kept.ending, Ending::TimedOut { .. })
             && kept.limit_s.is_none_or(|s| s < limit_s)
@@ -312,7 +312,7 @@ impl Engine for Keeper {
     }
 }
 
-/// A kept run as the bytes of its file.
+/// Returns a stored run as the bytes of its file.
 fn packed(kept: &Kept) -> Result<Vec<u8>, toml::ser::Error> {
     let mut body = toml::to_string(kept)?.into_bytes();
     body.push(0);
@@ -326,7 +326,7 @@ fn packed(kept: &Kept) -> Result<Vec<u8>, toml::ser::Error> {
     Ok(bytes)
 }
 
-/// Reads what [`packed`] wrote; `None` if a bit of it is another.
+/// Reads the output of [`packed`]; `None` if a bit differs.
 fn unpacked(bytes: &[u8]) -> Option<Kept> {
     let rest = bytes.strip_prefix(MAGIC.as_bytes())?;
     let (hash, body) = rest.split_at_checked(17)?;
@@ -358,24 +358,24 @@ fn read(body: &[u8]) -> Option<Kept> {
 pub mod internals {
     use super::*;
 
-    /// A file's body, without its hash.
+    /// Returns a file's body, without its hash.
     pub fn body(run: Recording) -> Vec<u8> {
         let kept = Kept::new("x".to_owned(), Some(1.0), Ending::Finished, run);
         let bytes = packed(&kept).unwrap_or_default();
         bytes[bytes.len().min(MAGIC.len() + 17)..].to_vec()
     }
 
-    /// True if a body of a file can be read.
+    /// True if a file's body can be read.
     pub fn reads(body: &[u8]) -> bool {
         read(body).is_some()
     }
 
-    /// Removes the oldest files of a store until the others have room.
+    /// Removes the oldest files of a store until `room` bytes are free.
     pub fn trim(store: &Store, room: u64) {
         store.trim(room);
     }
 
-    /// Places of the files.
+    /// Returns the paths of the files.
     pub fn files(folder: &Path) -> Vec<PathBuf> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         entries.map(|entry| entry.path()).collect()

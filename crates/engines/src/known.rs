@@ -1,5 +1,5 @@
-//! Facts of the engines of this project, whether a build has them or not. A new engine is a static of its
-//! family, and what [`registry`](mod@crate::registry) makes of it.
+//! Facts of this project's engines, in this build or not. A new engine is a static in its family's file, and an entry in
+//! [`registry`](mod@crate::registry).
 
 mod model;
 pub(crate) mod native;
@@ -9,13 +9,13 @@ pub(crate) mod solvers;
 
 use crate::info::EngineInfo;
 
-/// Returns the facts of all engines of this project, in this build or another.
+/// Returns the facts of all engines of this project, in this build or not.
 pub fn known() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     let families = [native::ALL, rapier::ALL, python::ALL, solvers::ALL];
     families.into_iter().flatten().copied()
 }
 
-/// Returns the facts of the engine of a name; `None` for users' engines.
+/// Returns the facts of an engine by name; `None` for users' engines.
 #[must_use]
 pub fn info(name: &str) -> Option<&'static EngineInfo<'static>> {
     known().find(|info| info.name == name)

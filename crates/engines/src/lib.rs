@@ -4,12 +4,12 @@
 //!             prepare                    run
 //!  Gearbox ──────────> dyn Prepared ──────────> Run { time_series, ending, stats, uncertainty }
 //!
-//!  ending: finished; diverged, with what there is until then; unsupported, absent, failed or timed out, with the reason
+//!  ending: finished; diverged, with the samples until then; unsupported, absent, failed or timed out, with the reason
 //!
-//!  native-reduced, native-lagrange, native-resolved        our solver
-//!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
-//!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
-//!  recorded, kept                                          what a live engine gave earlier
+//!  native-reduced, native-lagrange, native-resolved        Pinwheel's solver
+//!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of other projects,
+//!     ...-shared-law: Pinwheel's contact forces            ...-own-contact: also their contact
+//!  recorded, kept                                          earlier results of a live engine
 //!  external                                                solvers that the user names by a manifest
 //! ```
 //!

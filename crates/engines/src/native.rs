@@ -1,4 +1,4 @@
-//! Pinwheel's own solver as an engine, in its two formulations.
+//! Pinwheel's own solver as an engine, in two formulations.
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError};
@@ -12,29 +12,29 @@ use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
 use crate::info::{EngineInfo, Form};
 use crate::known::native as facts;
 
-/// The native solver in one of its forms.
+/// Native solver in one of its forms.
 #[derive(Debug, Clone, Copy)]
 pub struct Native(Form);
 
-/// Target of the resolved form without friction: forces in which no course shows the step.
+/// Target of the resolved form without friction, below any visible effect of the step.
 const RESOLVED: f64 = 1e-7;
-/// Aim of the resolved form where friction switches or forces jump from point to point. Two foreign solvers of
-/// `paper-friction` agree to 1.5e-5.
+/// Target of the resolved form if friction switches or forces jump from point to point. Two foreign solvers of `paper-friction`
+/// agree to 1.5e-5.
 const RESOLVED_ROUGH: f64 = 1e-5;
 
 impl Native {
-    /// Centre-pinned bodies eliminated.
+    /// Reduced form: centre-pinned bodies eliminated.
     pub const REDUCED: Self = Self(Form::Reduced);
-    /// All bodies, Eq. 2.
+    /// Lagrange form: all bodies, Eq. 2.
     pub const LAGRANGE: Self = Self(Form::Lagrange);
-    /// The reduced form with an integrator that leaves no visible error of the step.
+    /// Reduced form, refined until the step has no visible effect.
     pub const RESOLVED: Self = Self(Form::Resolved);
 
     pub(crate) const fn new(form: Form) -> Self {
         Self(form)
     }
 
-    /// The solver that a scene asks for.
+    /// Returns the solver for a scene's formulation.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         match scene.solver.formulation {
@@ -43,7 +43,7 @@ impl Native {
         }
     }
 
-    /// The gearbox as this form solves it.
+    /// Returns the gearbox with the settings of this form.
     fn formed(&self, gearbox: &Gearbox) -> Result<Gearbox, Fault> {
         gearbox.with_solver(|solver| {
             solver.formulation = match self.0 {
@@ -56,7 +56,7 @@ impl Native {
         })
     }
 
-    /// Target of the resolved form: relative L2 of the forces and of the driver's torque.
+    /// Returns the target of the resolved form: relative L2 of the forces and of the driver's torque.
     #[must_use]
     pub fn resolved_target(scene: &Scene) -> f64 {
         if !scene.slides() && scene.contact.detection == Detection::Exact {
@@ -66,7 +66,7 @@ impl Native {
         }
     }
 
-    /// Target of the run; `None` where the scene names its method.
+    /// Returns the target of the run; `None` if the scene names its method.
     fn target(&self, scene: &Scene) -> Option<f64> {
         if self.0 == Form::Resolved {
             return Some(Self::resolved_target(scene));
@@ -146,7 +146,7 @@ impl Native {
     }
 }
 
-/// Formulation, method and what sets its steps.
+/// Describes formulation, method and the setting of its steps.
 fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     let solver = &scene.solver;
     let form = match solver.formulation {
@@ -161,7 +161,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     if adaptive {
         format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {
-        // Ten digits: a fraction of a step is not always a short number.
+        // Ten digits, because a fraction of a step may be a long number.
         let step: f64 = format!("{:.9e}", solver.step_s)
             .parse()
             .unwrap_or(solver.step_s);
@@ -169,8 +169,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     }
 }
 
-/// Returns the times of the run and of its second half, where a start-up has died away, or of the rest after the load has
-/// changed for the last time.
+/// Returns the times of the run and of its second half, after the start-up, or of the rest after the last load change.
 fn windows(scene: &Scene) -> [(f64, f64); 2] {
     let duration = scene.solver.duration_s;
     let half = 0.5 * duration;

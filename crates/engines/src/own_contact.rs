@@ -1,7 +1,7 @@
-//! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
+//! Settings of a native run that reproduce the contacts of engines with their own contact resolution.
 //!
-//! The native solver with the springs of such an engine is called its twin. A difference between the engine and its twin is
-//! a fault of the engine or of the twin; a difference between the twin and the scene's law is one of contact models.
+//! The native solver with the springs of such an engine is its twin. A difference between engine and twin is a fault of one of
+//! them; a difference between the twin and the scene's law is one of contact models.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
@@ -9,10 +9,10 @@ use pinwheel_scene::{Scene, load_profile};
 
 use crate::spring::stage_stiffness;
 
-/// The contacts of an engine.
+/// Contacts of an engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OwnContact {
-    /// The scene's law.
+    /// Contact law of the scene.
     SceneLaw,
     /// Linear springs, one stiffness for each stage.
     Springs,
@@ -20,15 +20,15 @@ pub enum OwnContact {
     Balls,
 }
 
-/// Laws of balls that beds of springs follow as they are.
+/// Laws of balls that beds of springs reproduce directly.
 const BALLS: [&str; 2] = ["paper", "paper-conservative"];
-/// Factor by which the ramp of the force is shortened, because springs have no ramp.
+/// Factor on the ramp of the force, because springs have no ramp.
 const RAMP: f64 = 1e-3;
-/// Shortest ramp that a scene may have, m.
+/// Shortest permitted ramp of a scene, m.
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {
-    /// Returns the tolerance of the largest forces against the twin's, as a share.
+    /// Returns the relative tolerance of the largest forces against the twin's.
     #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
@@ -37,10 +37,10 @@ impl OwnContact {
         }
     }
 
-    /// Returns the scene with the contacts that the engine really has; `None` if they are the scene's.
+    /// Returns the scene with the engine's actual contacts; `None` if they are the scene's.
     ///
     /// # Errors
-    /// In words, why they are not known.
+    /// Reason why they are unknown.
     pub fn twin(self, gearbox: &Gearbox) -> Result<Option<Scene>, String> {
         let mut scene = Scene::clone(&gearbox.scene);
         match self {
@@ -60,8 +60,8 @@ impl OwnContact {
         Ok(Some(scene))
     }
 
-    /// The scene as an engine of this kind gets it: one of balls knows no other laws, so it gets balls as stiff as the scene's
-    /// contacts are under its largest load.
+    /// Returns the scene for an engine of this kind: engines of balls support no other laws, so they get balls as stiff as the
+    /// scene's contacts under its largest load.
     #[must_use]
     pub fn given(self, scene: Scene) -> Scene {
         match self {
@@ -71,8 +71,8 @@ impl OwnContact {
     }
 }
 
-/// A scene of balls: itself, or with the multipliers that make balls as stiff as its law, by secants F/delta at the largest
-/// static force of each stage.
+/// Returns a scene of balls: unchanged, or with the multipliers that give balls the stiffness of its law, by secants F/delta at
+/// the largest static force of each stage.
 fn balls(mut scene: Scene) -> Scene {
     if BALLS.contains(&scene.contact.law.as_str()) {
         return scene;
@@ -110,12 +110,12 @@ fn balls(mut scene: Scene) -> Scene {
     "paper-conservative".clone_into(&mut contact.law);
     contact.stiffness_multiplier = external;
     contact.internal_stiffness_multiplier = Some(internal);
-    // Balls have no ramp of the force beyond what a bed of springs can do without.
+    // Balls have no ramp of the force, except as short as a bed of springs allows.
     contact.ramp_m = ramp_m;
     scene
 }
 
-/// A ramp that shapes no force.
+/// Returns a ramp too short to affect the force.
 fn short_ramp(scene: &Scene) -> f64 {
     (RAMP * scene.contact.ramp_m).max(LEAST_RAMP_M)
 }

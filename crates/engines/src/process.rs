@@ -1,12 +1,12 @@
-//! Programs that we start: each in a process group of its own, listened to, and ended with everything it started.
+//! Child programs: each in its own process group, monitored, and ended with all processes that it started.
 //!
 //! ```text
 //!  stdout, stderr ──threads──> pieces ──> listener
-//!  listener wants its end ──> SIGTERM to the group, 0.3 s later SIGKILL
-//!  its end ──> SIGKILL to what is left of the group and to who left it, CPU time, status
+//!  request to stop ──> SIGTERM to the group, 0.3 s later SIGKILL
+//!  end ──> SIGKILL to the rest of the group and to processes that left it, CPU time, status
 //! ```
-//! Whoever leaves the group (`setsid`) is known by a variable of its environment, on Linux; who clears that too escapes, and
-//! nothing short of a container would hold it.
+//! Processes that leave the group (`setsid`) are recognised by an environment variable, on Linux. A process that clears it
+//! escapes; only a container could prevent that.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -17,54 +17,54 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Longest wait for output of the program before its limits are checked.
+/// Longest wait for output before the limits are checked.
 const PATIENCE: Duration = Duration::from_millis(10);
 /// Time between the request to end and the kill.
 const GRACE: Duration = Duration::from_millis(300);
-/// Pieces of what a program says that wait to be heard at most: whoever says more waits, and takes no memory.
+/// Largest number of unread pieces of output: a program that writes more has to wait, and takes no memory.
 const PIECES: usize = 16;
-/// Number of searches for processes that left the process group.
+/// Largest number of searches for processes that left the process group.
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
 
 /// Cause of the end of a program.
 #[derive(Debug)]
 pub enum End {
-    /// Program that ended by itself, with its exit status.
+    /// Exit of the program, with its status.
     Status(ExitStatus),
-    /// The user stopped it.
+    /// Stop by the user.
     Cancelled,
-    /// We did, and why.
+    /// End by this program, with the reason.
     Stopped(String),
-    /// We did, because it took longer than it may, in words.
+    /// End by a time limit, in words.
     TooLong(String),
 }
 
-/// A program that is over.
+/// Program that has ended.
 #[derive(Debug)]
 pub struct Ended {
     pub end: End,
     pub wall_s: f64,
-    /// CPU time of the program and of the children that it waited for, s, where the system gives it.
+    /// CPU time of the program and of the children that it waited for, s, if the system provides it.
     pub cpu_s: Option<f64>,
 }
 
-/// Hears every piece of what a program says, and `None` every few milliseconds while it runs: then it may say why the program
+/// Receiver of every piece of output, and of `None` every few milliseconds during the run; returns the reason if the program
 /// must end.
 pub type Listener<'a> = &'a mut dyn FnMut(Option<&Piece>) -> Option<End>;
 
-/// A program that runs.
+/// Running program.
 struct Running {
     pid: u32,
-    /// The name of a variable that it and all that it starts have.
+    /// Name of a variable in the environment of the program and of all that it starts.
     mark: String,
     folder: Option<PathBuf>,
 }
 
-/// The programs that run now: for a signal that ends ours at once.
+/// Running programs, for a signal that ends this program at once.
 static RUNNING: Mutex<Vec<Running>> = Mutex::new(Vec::new());
 
-/// Ends all programs at once and removes their folders. For a signal handler that ends the program.
+/// Ends all programs at once and removes their folders, for a signal handler that ends this program.
 pub fn end_all() {
     let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
     for Running { pid, mark, folder } in running.drain(..) {
@@ -76,7 +76,7 @@ pub fn end_all() {
     }
 }
 
-/// A program's place among those that run.
+/// Entry of a program among the running ones.
 struct Registered(u32);
 
 impl Registered {
@@ -98,10 +98,10 @@ impl Drop for Registered {
     }
 }
 
-/// Runs a program to its end. `folder` is removed if ours is ended at once.
+/// Runs a program to its end. `folder` is removed if this program is ended at once.
 ///
 /// # Errors
-/// It does not start.
+/// The program does not start.
 pub fn run(
     command: &mut Command,
     folder: Option<&Path>,
@@ -130,12 +130,12 @@ pub fn run(
     }
     let wall_s = begun.elapsed().as_secs_f64();
     let cpu_s = cpu_s(child.id());
-    // Whatever it left behind; its number is not given away before it is waited for.
+    // Ends the rest of the group; the process number is not reused before the wait.
     signal(child.id(), Signal::Kill);
     end_marked(&mark);
     drop(registered);
     let status = child.wait()?;
-    // Its last words are in the pipes; whoever left the group and holds them open is not waited for.
+    // The final output is in the pipes; processes that left the group and keep them open are not waited for.
     let patience = Instant::now() + GRACE;
     while Instant::now() < patience {
         match news.recv_timeout(PATIENCE) {
@@ -151,7 +151,7 @@ pub fn run(
     })
 }
 
-/// Waits for its end; else why it must end.
+/// Waits for the program's end; returns the reason if it must end.
 fn watch(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) -> Option<End> {
     let mut open = true;
     loop {
@@ -174,12 +174,12 @@ fn watch(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) -> O
     }
 }
 
-/// Asks it to end, then ends it.
+/// Requests the program to end, then kills it.
 fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
     signal(child.id(), Signal::Terminate);
     let patience = Instant::now() + GRACE;
     while Instant::now() < patience && !has_ended(child) {
-        // A full pipe would keep it from ending.
+        // A full pipe would prevent it from ending.
         if let Ok(piece) = news.recv_timeout(PATIENCE) {
             listener(Some(&piece));
         }
@@ -193,8 +193,8 @@ fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
     }
 }
 
-/// Makes the name of an environment variable that no other program started by Pinwheel has. If a solver starts Pinwheel
-/// itself, its mark stays in the environment beside the marks of the inner solvers.
+/// Returns a variable name that no other program started by Pinwheel has. If a solver starts Pinwheel itself, its mark stays in
+/// the environment beside the inner solvers' marks.
 #[expect(clippy::disallowed_methods, reason = "a name, no duration")]
 fn mark() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -204,7 +204,7 @@ fn mark() -> String {
     format!("PINWHEEL_JOB_{}_{count}_{nanos}", std::process::id())
 }
 
-/// Ends all processes that began with a variable of this name, until there is none: one may have started another meanwhile.
+/// Ends all processes whose environment has a variable of this name, repeatedly, because one may start another meanwhile.
 #[cfg(target_os = "linux")]
 fn end_marked(mark: &str) {
     let begins = format!("{mark}=");
@@ -215,7 +215,7 @@ fn end_marked(mark: &str) {
     for _ in 0..ROUNDS {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
-        // A process whose environment cannot be read is not ours. A zombie has no environment.
+        // Processes without a readable environment belong to others. A zombie has no environment.
         let marked = pids.filter(|pid| {
             std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|all| is_marked(&all))
         });
@@ -239,7 +239,7 @@ enum Signal {
     Kill,
 }
 
-/// A signal to the group that `pid` leads.
+/// Sends a signal to the group led by `pid`.
 #[cfg(unix)]
 fn signal(pid: u32, which: Signal) {
     let which = match which {
@@ -250,7 +250,7 @@ fn signal(pid: u32, which: Signal) {
         .ok()
         .and_then(rustix::process::Pid::from_raw);
     if let Some(pid) = pid {
-        // There may be nobody left.
+        // The group may be empty.
         let _ = rustix::process::kill_process_group(pid, which);
     }
 }
@@ -263,7 +263,7 @@ fn signal(_pid: u32, _which: Signal) {}
 fn has_ended(child: &mut Child) -> bool {
     use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
     let how = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
-    // An error: it is nobody's child any more.
+    // An error means that it is no longer a child.
     waitid(WaitId::Pid(Pid::from_child(child)), how).map_or(true, |status| status.is_some())
 }
 
@@ -272,11 +272,11 @@ fn has_ended(child: &mut Child) -> bool {
     child.try_wait().map_or(true, |status| status.is_some())
 }
 
-/// CPU time of a program that has ended and was not waited for, with that of its children, s.
+/// Returns the CPU time of a program that has ended and was not waited for, with that of its children, s.
 #[cfg(target_os = "linux")]
 fn cpu_s(pid: u32) -> Option<f64> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // The second field is its name in brackets, which may hold anything.
+    // The second field is the name in brackets, with any characters.
     let (_, rest) = stat.rsplit_once(')')?;
     let fields: Vec<&str> = rest.split_whitespace().collect();
     // utime, stime, cutime, cstime: fields 14 to 17, of which the first here is the third.
@@ -293,13 +293,13 @@ fn cpu_s(_pid: u32) -> Option<f64> {
     None
 }
 
-/// Bytes from a pipe.
+/// Piece of output from a pipe.
 pub struct Piece {
     pub bytes: Vec<u8>,
     pub stderr: bool,
 }
 
-/// Passes on what a pipe brings, until its end.
+/// Forwards the output of a pipe until its end.
 fn listen(pipe: Option<impl Read + Send + 'static>, to: SyncSender<Piece>, stderr: bool) {
     thread::spawn(move || {
         let Some(mut pipe) = pipe else { return };

@@ -1,8 +1,7 @@
-//! Recorded time series: what an engine gave for a scene, for builds and machines without it.
+//! Recorded time series: an engine's results for a scene, for builds and machines without it.
 //!
-//! `reference/recorded/SCENE/ENGINE.toml` says what was recorded, how and when, `ENGINE.csv` beside
-//! it holds the time series, thinned and rounded: both are embedded in the program. A recording stands
-//! in for a run of the very scene it was made of and of no other; it is never interpolated.
+//! `reference/recorded/SCENE/ENGINE.toml` describes a recording; `ENGINE.csv` beside it has the time series, thinned and
+//! rounded. Both are embedded in the program. A recording replaces a run of its own scene only, and is never interpolated.
 
 use std::fmt::Write as _;
 
@@ -18,13 +17,13 @@ use crate::info::{AccuracySetting, EngineInfo};
 use crate::known::info;
 use crate::registry::{lacking, remedy};
 
-/// The recordings' files: path below their folder, text.
+/// Files of the recordings: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
 
-/// Distance of recorded samples, s: 51 in the transient window, 301 in the steady one of 0.6 s.
+/// Spacing of recorded samples, s: 51 samples in the transient window, 301 in the steady one of 0.6 s.
 pub const SAMPLE_S: f64 = 1e-3;
 
-/// The scenes that recordings are kept of.
+/// Scenes with recordings.
 pub const RECORDED_SCENES: [&str; 6] = [
     "paper",
     "paper-friction",
@@ -34,7 +33,7 @@ pub const RECORDED_SCENES: [&str; 6] = [
     "forty-pins",
 ];
 
-/// One engine's time series of one scene.
+/// Time series of one engine for one scene.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recording {
@@ -42,11 +41,11 @@ pub struct Recording {
     pub engine: String,
     /// Version of the engine.
     pub version: String,
-    /// Day it was made, `2026-01-31`.
+    /// Day of the recording, `2026-01-31`.
     pub date: String,
-    /// The command that makes it again.
+    /// Command that repeats the recording.
     pub command: String,
-    /// The machine it was made on.
+    /// Machine of the recording.
     pub machine: String,
     /// Significant digits of the time series' largest values.
     pub digits: usize,
@@ -54,10 +53,10 @@ pub struct Recording {
     pub stats: RunStats,
     /// Complete scene.
     pub scene: Scene,
-    /// Uncertainties of the recorded quantities, window by window; empty where no setting refines the engine.
+    /// Uncertainties of the recorded quantities, window by window; empty if no setting refines the engine.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub uncertainty: Vec<RecordedUncertainty>,
-    /// The time series, at samples [`SAMPLE_S`] apart.
+    /// Time series at samples [`SAMPLE_S`] apart.
     #[serde(skip)]
     pub time_series: TimeSeries,
 }
@@ -65,21 +64,21 @@ pub struct Recording {
 /// Fault of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The description cannot be read.
+    /// Description that cannot be read.
     #[error(
-        "the description of the recording is broken: {0}; record it anew with `pinwheel record`"
+        "the description of the recording is broken: {0}; record it again with `pinwheel record`"
     )]
     Description(#[from] toml::de::Error),
-    /// The description cannot be written.
+    /// Description that cannot be written.
     #[error("the description of the recording cannot be written: {0}")]
     Unwritable(#[from] toml::ser::Error),
-    /// The time series cannot be read.
-    #[error("the recorded time series are broken: {0}; record them anew with `pinwheel record`")]
+    /// Time series that cannot be read.
+    #[error("the recorded time series are broken: {0}; record them again with `pinwheel record`")]
     TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }
 
 impl Recording {
-    /// A recording of a run, whose time series are [`thinned`] already; they are rounded when they are written.
+    /// Makes a recording of a run with [`thinned`] time series, which are rounded on writing.
     #[must_use]
     pub fn new(
         engine: &dyn Engine,
@@ -103,7 +102,7 @@ impl Recording {
         }
     }
 
-    /// Description and time series as text.
+    /// Returns description and time series as text.
     ///
     /// # Errors
     /// See [`RecordingError`].
@@ -111,7 +110,7 @@ impl Recording {
         Ok((toml::to_string(self)?, self.csv()))
     }
 
-    /// Reads what [`Recording::write`] wrote.
+    /// Reads the output of [`Recording::write`].
     ///
     /// # Errors
     /// See [`RecordingError`].
@@ -121,7 +120,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// Every quantity with as many decimals as its largest value has room for, and no more than needed.
+    /// Returns the time series as CSV, with the decimals that each quantity's largest value requires.
     pub fn csv(&self) -> String {
         let channels = self.time_series.channels();
         let decimals: Vec<usize> = channels
@@ -155,8 +154,8 @@ impl Recording {
         text
     }
 
-    /// True if a run of `scene` would be this recording, or its beginning: all keys agree, except keys that name the
-    /// scene, belong to the native solver, or choose samples.
+    /// True if a run of `scene` would be this recording, or its beginning: all keys agree, except those that name the scene,
+    /// belong to the native solver, or select samples.
     pub fn is_of(&self, scene: &Scene) -> bool {
         let refinement = info(&self.engine).and_then(|info| info.refinement);
         let by_tolerance =
@@ -178,7 +177,7 @@ impl Recording {
             && scene.solver.duration_s <= self.scene.solver.duration_s * (1.0 + 1e-12)
     }
 
-    /// The recorded samples that a run of `scene` would have.
+    /// Returns the recorded samples that a run of `scene` would have.
     pub fn at_samples_of(&self, scene: &Scene) -> TimeSeries {
         let wanted = scene.solver.sample_times_s();
         let rows = rows_at(&wanted, self.time_series.time_s());
@@ -187,7 +186,7 @@ impl Recording {
     }
 }
 
-/// Returns the scene without what changes no run: its names, and how well its values are known.
+/// Returns the scene without keys that affect no run: its names, and the uncertainty of its values.
 pub(crate) fn bare(scene: &Scene) -> Scene {
     Scene {
         name: String::new(),
@@ -197,7 +196,7 @@ pub(crate) fn bare(scene: &Scene) -> Scene {
     }
 }
 
-/// The samples that are recorded, [`SAMPLE_S`] apart.
+/// Selects the recorded samples, [`SAMPLE_S`] apart.
 #[must_use]
 pub fn thinned(time_series: &TimeSeries, scene: &Scene) -> TimeSeries {
     let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
@@ -219,10 +218,10 @@ fn trimmed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Checks that a run resolves its scene well enough to be kept.
+/// Checks that a run resolves its scene well enough to be recorded.
 ///
 /// # Errors
-/// Why not, in words.
+/// Reason of a refusal, in words.
 pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
     let explicit = info(engine).is_some_and(|info| info.explicit_friction);
     if explicit && scene.slides() && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S {
@@ -233,19 +232,19 @@ pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
     Ok(())
 }
 
-/// Step that resolves regularised friction of the paper's gear by explicit methods, s.
+/// Step at which explicit methods resolve regularised friction of the paper's gear, s.
 const EXPLICIT_FRICTION_STEP_S: f64 = 2e-7;
 
-/// Scene and engine of every recording of this build.
+/// Returns scene and engine of every recording of this build.
 pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
     FILES
         .iter()
         .filter_map(|(name, _)| name.strip_suffix(".toml")?.split_once('/'))
 }
 
-/// The recording of an engine and a scene, by their names.
+/// Returns the recording of an engine and a scene, by their names.
 ///
-/// The inner error: it is there and broken.
+/// The inner error is that of a damaged recording.
 #[must_use]
 pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingError>> {
     let text = |ending: &str| {
@@ -256,7 +255,7 @@ pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingErro
     Some(Recording::read(text("toml")?, text("csv")?))
 }
 
-/// A recording of `engine` that stands for a run of `scene`; `why` says for the reader why it does.
+/// Returns a recording of `engine` that replaces a run of `scene`; `why` is the reason for readers.
 #[must_use]
 pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
     let info = info(engine)?;
@@ -271,7 +270,7 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
     }))
 }
 
-/// Recordings for a scene of all engines that this build lacks.
+/// Returns the recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
     lacking()
@@ -300,7 +299,7 @@ struct Recorded {
 }
 
 impl Engine for Recorded {
-    /// No setting refines it.
+    /// Returns the engine's facts without a refinement.
     fn info(&self) -> EngineInfo<'_> {
         EngineInfo {
             refinement: None,

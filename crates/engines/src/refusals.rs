@@ -1,9 +1,9 @@
-//! Refusals of scenes that several engines cannot honour.
+//! Refusals of scenes that several engines do not support.
 
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::Ending;
 
-/// Refuses scenes that an engine cannot honour if it holds its discs by revolutes.
+/// Refuses scenes that require elastic bearings, for engines with revolutes at their discs.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     let bearings = &scene.bearings;
     if bearings.eccentric.is_some() {
@@ -28,7 +28,7 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     })
 }
 
-/// Refuses scenes that an engine cannot honour if friction of its own acts on pins that turn.
+/// Refuses scenes with pins that do not turn, for engines with their own friction.
 pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
     let gear = &scene.gear;
     let turn = [
@@ -42,7 +42,7 @@ pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
     })
 }
 
-/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its discs.
+/// Refuses scenes with elastic pins or bearings, for engines with their own contact springs.
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     pins_turn(scene)?;

@@ -1,4 +1,4 @@
-//! The engines of this build, made by their families.
+//! Engines of this build, made by their families.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use crate::info::EngineInfo;
 use crate::known::known;
 use crate::native::Native;
 
-/// Makes an engine; `None` where this build or this Python lacks it.
+/// Makes an engine; `None` if this build or this Python lacks it.
 fn make(info: &'static EngineInfo<'static>) -> Option<Box<dyn Engine>> {
     match info.family() {
         "native" => Some(Box::new(Native::new(info.form?))),
@@ -30,7 +30,7 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     known().filter(|info| make(info).is_none())
 }
 
-/// Returns what adds an engine that this build lacks; `None` for engines of every build.
+/// Returns the command that adds an engine missing in this build; `None` for engines of every build.
 #[must_use]
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
@@ -72,13 +72,13 @@ pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
     all
 }
 
-/// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
+/// Returns all engines of this build, native first, then added solvers ([`admit`](crate::external::admit)).
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
     known().filter_map(make).chain(admitted()).collect()
 }
 
-/// Returns the engine of a name; `native` is the native solver in the formulation that the scene asks for.
+/// Returns an engine by name; `native` is the native solver in the scene's formulation.
 #[must_use]
 pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     if name == "native" {
@@ -88,8 +88,7 @@ pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     registry().into_iter().find(|engine| engine.name() == name)
 }
 
-/// Returns the name of an engine that pages and terminals call by its short one; a solver that joined by that name comes
-/// first.
+/// Returns the full name of an engine from its short one; an added solver of that name takes precedence.
 #[must_use]
 pub fn full_name(name: &str) -> &str {
     if admitted().any(|engine| engine.name() == name) {

@@ -1,14 +1,14 @@
-//! Frequency of rapier's contact spring that represents the scene's contact law.
+//! Frequency of rapier's contact spring that reproduces the scene's contact law.
 //!
-//! rapier's spring is linear, with a stiffness that is a frequency times the effective mass of
-//! the pair, k = m w^2, one frequency for all pairs. It is taken from the mesh at t = 0 under the
-//! static load (of a load that changes the last one), with the secant stiffness k = F/delta of the scene's law: of each stage
-//! the mean over its touching pairs, weighted by their forces, of k and of 1/m. w^2 = k/m of the internal stage.
+//! rapier's spring is linear, with a stiffness given by a frequency and the pair's effective mass, k = m w^2, with one
+//! frequency for all pairs. The frequency is determined at t = 0 under the static load (the last one of a changing load), with
+//! the secant stiffness k = F/delta of the scene's law: for each stage the mean of k and of 1/m over its touching pairs,
+//! weighted by their forces. w^2 = k/m of the internal stage.
 //!
-//! Without friction the pins' masses move nothing: external ones turn about fixed points, internal ones are carried by the
-//! output, whose moment of inertia can hold them. So output pins are made so light that m hardly depends on the lever of a
-//! pair, and external ones get the mass that makes m w^2 the external stage's k. With friction, w^2 is the mean of k/m
-//! over all pairs.
+//! Without friction the pins' masses have no effect on the motion: ring pins turn about fixed points, and the output, whose
+//! moment of inertia can include them, carries the output pins. So output pins are made light enough that m hardly depends on
+//! the lever of a pair, and ring pins get the mass with which m w^2 is the external stage's k. With friction, w^2 is the mean
+//! of k/m over all pairs.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
@@ -16,18 +16,18 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::Scene;
 use pinwheel_scene::{Layout, Sleeve, load_profile};
 
-/// Spring that stands for the law.
+/// Spring that represents the law.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactSpring {
-    /// f = w/(2 pi), Hz.
+    /// Frequency f = w/(2 pi), Hz.
     pub frequency_hz: f64,
-    /// Masses of ring and output pins that make it right for both stages, kg; `None`: the scene's.
+    /// Masses of ring and output pins that give both stages the right stiffness, kg; `None` for the scene's.
     pub masses_kg: Option<[f64; 2]>,
-    /// k of external and internal contacts, N/m.
+    /// Stiffness k of external and internal contacts, N/m.
     pub stiffness_n_m: [f64; 2],
 }
 
-/// Inverse mass of a light pin over that of a disc.
+/// Ratio of the inverse mass of a light pin to that of a disc.
 const LIGHT: f64 = 30.0;
 
 /// Means over a stage, weighted by forces.
@@ -35,7 +35,7 @@ const LIGHT: f64 = 30.0;
 struct Stage {
     weight: f64,
     stiffness: f64,
-    /// Without the pin's own.
+    /// Inverse mass without the pin's own.
     inverse_mass: f64,
     square: f64,
 }
@@ -43,7 +43,7 @@ struct Stage {
 /// Returns the spring of a gear.
 ///
 /// # Errors
-/// In words, if the law cannot carry the load within a quarter of a pitch.
+/// Message, if the law cannot carry the load within a quarter of a pitch.
 pub fn contact_spring(
     gearbox: &Gearbox,
     field: &mut ContactField,
@@ -58,7 +58,7 @@ pub fn contact_spring(
     let start = states.clone();
     let limit = 0.25 * std::f64::consts::TAU / gearbox.geometry.lobes();
 
-    // The load turns the output, the output turns the discs, and the discs lean on the ring pins.
+    // The load rotates the output, the output rotates the discs, and the discs press on the ring pins.
     let wheels_at = |twist: f64, states: &mut [BodyState]| {
         for wheel in layout.wheel_bodies() {
             states[wheel].angle = start[wheel].angle + twist;
@@ -84,7 +84,7 @@ pub fn contact_spring(
     };
     let further = balance(torque, limit, |further| {
         output_at(twist + further, &mut states);
-        // On the discs it is the opposite of what it is on the output.
+        // The moment on the discs is opposite to that on the output.
         -moment(field, &states, |pair| match pair.sleeve {
             Sleeve::External(_) => None,
             Sleeve::Internal(_) => Some(start[Layout::OUTPUT]),
@@ -100,7 +100,7 @@ pub fn contact_spring(
     field.touching(&states, &mut |pair| {
         let wheel = &states[layout.wheel_bodies().start + pair.wheel];
         let number = usize::from(matches!(pair.sleeve, Sleeve::Internal(_)));
-        // The normal passes through the pin's centre: only its mass counts.
+        // The normal passes through the pin's centre, so only its mass counts.
         let lever = cross(
             pair.point[0] - wheel.x,
             pair.point[1] - wheel.y,
@@ -124,7 +124,7 @@ pub fn contact_spring(
     let [external, internal] = stages.map(|stage| stage.stiffness / stage.weight);
     let light = (LIGHT * most).recip().min(sleeves[1]);
     let own = internal * (of_wheel[1] + 1.0 / light);
-    // Inverse mass that the ring pin must add so that its stage has that frequency.
+    // Inverse mass of the ring pin that gives its stage the frequency.
     let brought = own / external - of_wheel[0];
     let moves_nothing = !gearbox.scene.slides();
     let (square, masses_kg) = if moves_nothing && brought.is_finite() && brought > 0.0 {
@@ -144,17 +144,17 @@ pub fn contact_spring(
     })
 }
 
-/// Returns the linear stiffness of external and internal contacts that the colliders have, N/m.
+/// Returns the linear stiffness of the colliders' external and internal contacts, N/m.
 ///
 /// # Errors
-/// In words, if the law cannot carry the load.
+/// Message, if the law cannot carry the load.
 pub fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
     let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
     contact_spring(gearbox, &mut field).map(|spring| spring.stiffness_n_m)
 }
 
-/// Returns the load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
-/// that is none the largest it has.
+/// Returns the reference load of the spring, N m: the final load of the scene, as only settled means are compared, or if that
+/// is 0 the largest.
 pub fn spring_load(scene: &Scene) -> f64 {
     let last = load_profile::final_load(scene);
     if last == 0.0 {
@@ -166,14 +166,14 @@ pub fn spring_load(scene: &Scene) -> f64 {
 
 /// Reason why no rotation within a quarter of a pitch carries the load.
 enum Fault {
-    /// More than half of it is free play.
+    /// Free play takes more than half of it.
     Play,
     /// The spring is too soft.
     Soft,
 }
 
 impl Fault {
-    /// Returns the message; `play` and `value` are the key and the value, m, that leave these pins their play.
+    /// Returns the message; `play` and `value` are the key and the value, m, that cause the play of these pins.
     fn message(&self, sleeves: &str, play: &str, value: f64) -> String {
         match self {
             Self::Play => format!(
@@ -201,7 +201,7 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
         let free = sign * resisting(sign * 0.5 * high) <= 0.0;
         return Err(if free { Fault::Play } else { Fault::Soft });
     }
-    // Each halving adds a bit; beyond 60 there are none left.
+    // Each halving adds a bit; a double has fewer than 60.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if sign * resisting(sign * middle) < torque.abs() {
@@ -213,8 +213,8 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
     Ok(sign * high)
 }
 
-/// Returns the moment of the contact forces on the pins, about the centre that `about` gives for a pair
-/// (`None`: not counted), N m.
+/// Returns the moment of the contact forces on the pins, N m, about the centre given by `about` for each pair (`None`: not
+/// counted).
 fn moment(
     field: &mut ContactField,
     states: &[BodyState],

@@ -1,17 +1,15 @@
-//! Stopping while engines are prepared: that can take minutes where packages are installed, and has no control of its
-//! own.
+//! Stop of the preparation of engines, which may take minutes if packages are installed, and has no control.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Tells all preparations, now and later, that the user asked to stop: they end with
-/// [`Cancelled`](crate::Cancelled). For a program's signal handler.
+/// Ends all present and later preparations with [`Cancelled`](crate::Cancelled), for a program's signal handler.
 pub fn stop_preparing() {
     STOP.store(true, Ordering::Relaxed);
 }
 
-/// The flag that preparations watch.
+/// Returns the stop flag for preparations.
 #[cfg(feature = "python")]
 pub(crate) fn flag() -> &'static AtomicBool {
     &STOP

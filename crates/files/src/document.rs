@@ -11,17 +11,17 @@ use toml::{Spanned, Value};
 use crate::error::{FileError, quoted};
 use crate::suggest::did_you_mean;
 
-/// Bytes of a file at most; a full scene with comments has about 5000.
+/// Largest number of bytes of a file; a full scene with comments has about 5000.
 pub const MOST_BYTES: usize = 1 << 20;
 
-/// The text of a file; `remedy` says which file is wanted.
+/// Reads the text of a file; `remedy` names the required kind of file.
 ///
 /// # Errors
-/// It cannot be read, is too long, or no text.
+/// The file cannot be read, is too long, or is no text.
 pub fn read_text(path: &Path, remedy: &str) -> Result<String, FileError> {
     let name = path.display().to_string();
     let unreadable = |error| FileError::new(&name, format!("cannot be read: {error}"), remedy);
-    // The size is not asked for in advance: a pipe or a device has none and may never end.
+    // The size is not queried in advance: a pipe or a device has none and may never end.
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
     file.take(MOST_BYTES as u64 + 1)
@@ -42,15 +42,15 @@ fn too_long(bytes: usize, name: &str, remedy: &str) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Number of the line after some bytes, the first being 1.
+/// Returns the line number after `head`, from 1.
 fn line_of(head: &[u8]) -> usize {
     1 + head.iter().filter(|&&byte| byte == b'\n').count()
 }
 
-/// Reads a TOML text as a type; `file` is how messages name it, `remedy` the place of an example.
+/// Deserializes a TOML text; `file` is its name in messages, `remedy` the place of an example.
 ///
 /// # Errors
-/// The first fault: its line, its key, and for a mistyped name what was meant.
+/// First fault with line and key, and a suggestion for a mistyped name.
 pub fn read<T: DeserializeOwned>(text: &str, file: &str, remedy: &str) -> Result<T, FileError> {
     too_long(text.len(), file, remedy)?;
     let root = DeTable::parse(text).map_err(|error| broken(&error, text, file, remedy))?;
@@ -62,7 +62,7 @@ pub fn read<T: DeserializeOwned>(text: &str, file: &str, remedy: &str) -> Result
     })
 }
 
-/// The fault of a text that is no TOML.
+/// Returns the fault of a text that is not TOML.
 fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
     let at = error.span().map_or(0, |span| span.start).min(text.len());
     let what = format!("not valid TOML: {}", error.message().trim());
@@ -88,7 +88,7 @@ fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
     FileError::new(file, what, remedy).in_line(line_of(&text.as_bytes()[..at]))
 }
 
-/// The fault of a value that a type does not take, from serde's words.
+/// Returns the fault of a value that a type refuses, from serde's message.
 fn misread(key: &str, message: &str, file: &str, remedy: &str) -> FileError {
     let mut names = message.split('`').skip(1).step_by(2);
     let first = names.next();
@@ -106,33 +106,33 @@ fn misread(key: &str, message: &str, file: &str, remedy: &str) -> FileError {
     FileError::new(file, what, remedy)
 }
 
-/// Keys of a table with what stands there, in the order of the file.
+/// Keys of a table with their items, in the order of the file.
 pub type Entries<'t> = Vec<(String, Item<'t>)>;
 
-/// A TOML text taken apart: each value with the line of its key.
+/// Parsed TOML text: each value with the line of its key.
 #[derive(Debug, Clone)]
 pub struct Document<'t> {
     /// Name of the file in messages.
     pub file: &'t str,
-    /// The table at the top.
+    /// Top-level table.
     pub root: Entries<'t>,
 }
 
 /// Value at a key, with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item<'t> {
-    /// Line of the key, the first being 1.
+    /// Line of the key, from 1.
     pub line: usize,
-    /// The value as the file writes it.
+    /// Text of the value in the file.
     pub text: &'t str,
-    /// The value.
+    /// Parsed value.
     pub node: Node<'t>,
 }
 
-/// A value.
+/// Parsed value of an item.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Node<'t> {
-    /// A table.
+    /// Table of items.
     Table(Entries<'t>),
     /// List; each value has its own line and text.
     List(Vec<Item<'t>>),
@@ -141,27 +141,27 @@ pub enum Node<'t> {
 }
 
 impl<'t> Document<'t> {
-    /// Takes a text apart; `file` and `remedy` as for [`read`].
+    /// Parses a text; `file` and `remedy` as for [`read`].
     ///
     /// # Errors
-    /// It is too long, or no TOML.
+    /// The text is too long, or not TOML.
     pub fn parse(text: &'t str, file: &'t str, remedy: &str) -> Result<Self, FileError> {
         too_long(text.len(), file, remedy)?;
-        // Counted once: a file may have many values on many lines.
+        // Counted once, because a file may have many values on many lines.
         let lines: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
         let root = DeTable::parse(text).and_then(|root| entries(text, &lines, root.into_inner()));
         let root = root.map_err(|error| broken(&error, text, file, remedy))?;
         Ok(Self { file, root })
     }
 
-    /// Returns the item at a key of the top.
+    /// Returns the item at a top-level key.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Item<'t>> {
         let found = self.root.iter().find(|(name, _)| name == key);
         found.map(|(_, item)| item)
     }
 
-    /// A fault in a line.
+    /// Returns a fault in a line.
     pub fn fault(
         &self,
         line: usize,
@@ -171,10 +171,10 @@ impl<'t> Document<'t> {
         FileError::new(self.file, what, remedy).in_line(line)
     }
 
-    /// An item as a type of serde; `key` is its full name, `remedy` how it is written.
+    /// Deserializes an item; `key` is its full name, `remedy` its correct form.
     ///
     /// # Errors
-    /// As [`read`].
+    /// Errors of [`read`].
     pub fn read<T: DeserializeOwned>(
         &self,
         key: &str,
@@ -227,7 +227,7 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// Kind of the node, or its value, in words.
+    /// Describes the kind of the node, or its value.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -256,7 +256,7 @@ fn entries<'t>(text: &'t str, lines: &[usize], table: DeTable<'t>) -> Result<Ent
     Ok(sorted.collect())
 }
 
-/// A value whose place in the text is `at`, bytes.
+/// Builds the item at the byte range `at` of the text.
 fn item<'t>(
     text: &'t str,
     lines: &[usize],

@@ -1,7 +1,8 @@
-//! Drafts: new folders and files of this process beside the place that they are renamed into.
+//! Drafts: new folders and files of this process beside their final place.
 //!
-//! A draft has a random name and is made exclusively, so it is never anybody else's; it goes when it is dropped. A kill leaves it:
-//! its name holds the process, so that [`leftovers`] can name it. Nothing ever deletes it but its own process.
+//! A draft has a random name and is created exclusively, so it never belongs to another program; it is deleted when dropped.
+//! After a kill it remains: its name contains the process number, so that [`leftovers`] can list it. Only its own process
+//! deletes it.
 
 use std::fs::{self, File};
 use std::io;
@@ -9,30 +10,31 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// Beginning of every draft's name; the process and random letters follow.
+/// Prefix of every draft's name, followed by the process number and random letters.
 const PREFIX: &str = ".pinwheel-";
 
 fn prefix() -> String {
     format!("{PREFIX}{}-", std::process::id())
 }
 
-/// Makes a folder in `beside` that only its owner may enter.
+/// Creates a folder in `beside` that only its owner may enter.
 pub(crate) fn folder(beside: &Path) -> io::Result<TempDir> {
     made(beside, &prefix(), 0o700)
 }
 
-/// Makes a file for `path` in the nearest folder above it that exists.
+/// Creates a file for `path` in the nearest existing folder above it.
 pub(crate) fn file(path: &Path) -> io::Result<NamedTempFile> {
     let (prefix, mut builder) = (prefix(), Builder::new());
     builder.prefix(&prefix);
-    // The user's umask decides.
+    // Subject to the user's umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let path = std::path::absolute(path)?;
     builder.tempfile_in(nearest_existing(path.parent().unwrap_or(&path)))
 }
 
-/// Makes an empty folder in `folder` whose name begins with `prefix`, with the mode of a plain mkdir; it goes when it is dropped.
+/// Creates an empty folder in `folder` whose name begins with `prefix`, with the mode of a plain mkdir; it is deleted when
+/// dropped.
 ///
 /// # Errors
 /// The folder cannot be written.
@@ -40,7 +42,7 @@ pub fn draft_in(folder: &Path, prefix: &str) -> io::Result<TempDir> {
     made(folder, prefix, 0o777)
 }
 
-/// Makes a folder with a mode, of which the user's umask takes away.
+/// Creates a folder with a mode, reduced by the user's umask.
 fn made(beside: &Path, prefix: &str, mode: u32) -> io::Result<TempDir> {
     let mut builder = Builder::new();
     builder.prefix(prefix);
@@ -51,7 +53,7 @@ fn made(beside: &Path, prefix: &str, mode: u32) -> io::Result<TempDir> {
     builder.tempdir_in(beside)
 }
 
-/// Lists the drafts in `folder` whose process is gone from this machine.
+/// Lists the drafts in `folder` whose process no longer exists on this machine.
 #[must_use]
 pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -68,7 +70,7 @@ pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
     left
 }
 
-/// Returns true if the process runs, and where that cannot be asked.
+/// True if the process runs, or if that cannot be determined.
 fn is_alive(process: i32) -> bool {
     #[cfg(unix)]
     {
@@ -83,7 +85,7 @@ fn is_alive(process: i32) -> bool {
     }
 }
 
-/// Returns the path itself or the nearest folder above it that exists.
+/// Returns the path or the nearest existing folder above it.
 pub(crate) fn nearest_existing(path: &Path) -> PathBuf {
     path.ancestors()
         .find(|part| part.exists())
@@ -91,7 +93,7 @@ pub(crate) fn nearest_existing(path: &Path) -> PathBuf {
         .to_owned()
 }
 
-/// Opens a plain file: follows no link and waits for no pipe.
+/// Opens a regular file; refuses links and pipes.
 pub(crate) fn open_plain(path: &Path, options: &mut fs::OpenOptions) -> io::Result<File> {
     let wrong = || io::Error::new(io::ErrorKind::InvalidInput, "is no plain file");
     if !fs::symlink_metadata(path)?.is_file() {
@@ -110,7 +112,7 @@ pub(crate) fn open_plain(path: &Path, options: &mut fs::OpenOptions) -> io::Resu
     }
 }
 
-/// Waits until the names in a folder are on the disk.
+/// Waits until the names in a folder are on disk.
 pub(crate) fn sync(folder: &Path) -> io::Result<()> {
     if cfg!(unix) {
         File::open(folder)?.sync_all()?;

@@ -1,15 +1,15 @@
-//! Errors in a file that somebody wrote. Every message is one line: where, what, and the remedy.
+//! Errors in files of users. Every message is one line: place, fault and remedy.
 
 use std::fmt;
 
-/// A fault of a file.
+/// Fault of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileError {
-    /// The file as the user named it.
+    /// Name of the file as the user gave it.
     pub file: String,
-    /// Line, the first being 1; `None` where the fault is in no line.
+    /// Line, from 1; `None` if the fault has no line.
     pub line: Option<usize>,
-    /// Description of the fault, with the key where it is one.
+    /// Description of the fault, with the key if there is one.
     pub what: String,
     /// Remedy.
     pub remedy: String,
@@ -48,13 +48,13 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
-/// Fault, and the remedy.
+/// Fault with its remedy.
 pub type Broken = (String, String);
 
-/// A rule that a file must keep: `what` says what is wrong where it does not.
+/// Requires a condition of a file; `what` describes the violation.
 ///
 /// # Errors
-/// It does not hold.
+/// Violated condition.
 pub fn require(holds: bool, what: impl Into<String>, remedy: &str) -> Result<(), Broken> {
     match holds {
         true => Ok(()),
@@ -62,7 +62,7 @@ pub fn require(holds: bool, what: impl Into<String>, remedy: &str) -> Result<(),
     }
 }
 
-/// The text on one line, control characters made visible, cut where it gets out of hand.
+/// Returns the text on one line, control characters made visible, cut if very long.
 #[must_use]
 pub fn one_line(text: &str) -> String {
     cut(text, 400)
@@ -86,7 +86,7 @@ pub fn cut(text: &str, longest: usize) -> String {
     line
 }
 
-/// A user's own text inside a message: quoted, short.
+/// Quotes a user's text in a message, shortened.
 #[must_use]
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;

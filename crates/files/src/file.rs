@@ -1,4 +1,4 @@
-//! Single files: written beside their place and renamed into it, over nothing but earlier ones of ours.
+//! Single files: written beside their place and renamed into it, replacing only earlier files of this program.
 
 use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
@@ -9,24 +9,24 @@ use tempfile::{NamedTempFile, PersistError};
 use crate::draft::{self, open_plain};
 use crate::output::OutputError;
 
-/// Most bytes of a file that is checked; a larger file is not ours. A unit with a library of a debug build has 20 MB.
+/// Largest size of a file that is checked, bytes; a larger file is foreign. A unit with a library of a debug build has 20 MB.
 const MOST_BYTES: u64 = 1 << 28;
 
-/// Says of a file's content that it is ours to replace.
+/// Predicate on a file's content: true if this program may replace it.
 pub type Ours<'a> = &'a dyn Fn(&[u8]) -> bool;
 
-/// Kind of place that a file goes to.
+/// Kind of a file's destination.
 enum Place {
-    /// Nothing is there.
+    /// Free place.
     Free,
-    /// An earlier file of ours, with its mode.
+    /// Earlier file of this program, with its mode.
     Earlier(fs::Permissions),
-    /// A pipe or a terminal, which is written to.
+    /// Pipe or terminal, which is written directly.
     Stream,
 }
 
-/// Writes a file: all of it or nothing. An earlier one is replaced if it is empty or `ours`, and keeps its mode; any other stays,
-/// and so do links and files that may only be read. Folders above it are made.
+/// Writes a complete file or nothing. An earlier one is replaced if it is empty or `ours`, and keeps its mode; any other file,
+/// links and read-only files stay. Missing folders are created.
 ///
 /// # Errors
 /// The file cannot be written, or must stay.
@@ -34,10 +34,10 @@ pub fn replace(path: &Path, bytes: &[u8], ours: Ours<'_>) -> Result<(), OutputEr
     replace_all(&[(path.to_owned(), bytes)], ours)
 }
 
-/// Writes files that belong together, as [`replace`] does: all are on the disk before the first takes its place.
+/// Writes related files as [`replace`] does: all are on disk before the first takes its place.
 ///
 /// # Errors
-/// As of [`replace`].
+/// Errors of [`replace`].
 pub fn replace_all(
     files: &[(PathBuf, impl AsRef<[u8]>)],
     ours: Ours<'_>,
@@ -59,7 +59,7 @@ pub fn replace_all(
     for (draft, path, place) in drafts {
         let failed = |error: io::Error| OutputError::new(path, &error);
         let above = path.parent().filter(|above| !above.as_os_str().is_empty());
-        // Only now: a failure before leaves no folder.
+        // Only now, so that an earlier failure leaves no folder.
         fs::create_dir_all(above.unwrap_or(Path::new("."))).map_err(failed)?;
         let over = |draft: NamedTempFile, mode| {
             draft.as_file().set_permissions(mode).map_err(failed)?;
@@ -68,7 +68,7 @@ pub fn replace_all(
         if let Place::Earlier(mode) = place {
             over(draft, mode)?;
         } else if let Err(PersistError { error, file }) = draft.persist_noclobber(path) {
-            // Another one of ours may have come meanwhile.
+            // Another process of this program may have written it meanwhile.
             match self::place(path, ours)? {
                 Place::Earlier(mode) => over(file, mode)?,
                 _ => return Err(failed(error)),
@@ -78,7 +78,7 @@ pub fn replace_all(
     Ok(())
 }
 
-/// Checks that [`replace`] may write a file, before anything long is run.
+/// Checks that [`replace`] may write a file, before a long run.
 ///
 /// # Errors
 /// The file cannot be written, or must stay.
@@ -100,7 +100,7 @@ fn place(path: &Path, ours: Ours<'_>) -> Result<Place, OutputError> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt as _;
-        // `/dev/stdout` is a link to one.
+        // `/dev/stdout` may be a link to one.
         let kind = fs::metadata(path).map_err(failed)?.file_type();
         if kind.is_fifo() || kind.is_char_device() {
             return Ok(Place::Stream);

@@ -1,6 +1,6 @@
-//! A hash that is the same on every machine and for every compiler, unlike std's.
+//! Hash that is equal on every machine and for every compiler, unlike std's.
 
-/// FNV-1a, 64 bits [Fowler, Noll, Vo 1991].
+/// Hash FNV-1a, 64 bits [Fowler, Noll, Vo 1991].
 #[derive(Debug, Clone, Copy)]
 pub struct Fnv(u64);
 
@@ -11,26 +11,26 @@ impl Default for Fnv {
 }
 
 impl Fnv {
-    /// More bytes.
+    /// Adds bytes.
     pub fn add(&mut self, bytes: impl IntoIterator<Item = u8>) {
         self.0 = bytes.into_iter().fold(self.0, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
         });
     }
 
-    /// One more part; where it ends counts.
+    /// Adds one part; its end affects the hash.
     pub fn add_part(&mut self, part: &[u8]) {
         self.add(part.iter().copied().chain([0xff]));
     }
 
-    /// The hash of what was added.
+    /// Returns the hash of the added bytes.
     #[must_use]
     pub fn value(self) -> u64 {
         self.0
     }
 }
 
-/// The hash of some bytes.
+/// Returns the hash of some bytes.
 #[must_use]
 pub fn fnv(bytes: impl IntoIterator<Item = u8>) -> u64 {
     let mut hash = Fnv::default();

@@ -1,7 +1,7 @@
-//! Output folders: written whole or not at all, and never over somebody else's files.
+//! Output folders: written completely or not at all, and never over foreign files.
 //!
-//! Everything is written into a new folder beside the target, which then takes the target's name in one step. An earlier output is
-//! replaced if its manifest names every file in it with its size and hash; anything else in its place stays.
+//! Output is written into a new folder beside the target, which then takes the target's name in one step. An earlier output is
+//! replaced if its manifest lists every file in it with size and hash; anything else there stays.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -29,29 +29,29 @@ pub use crate::draft::{draft_in, leftovers};
 use crate::manifest::{Manifest, Stranger, stranger};
 use crate::output::OutputError;
 
-/// File name of the page in an output folder.
+/// File name of an output folder's page.
 pub const PAGE: &str = "index.html";
 
-/// Why a folder cannot take an output.
+/// Reason why a folder cannot take an output.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FolderError {
-    /// No name.
+    /// Empty name.
     #[error("the name of the output folder is empty")]
     Empty,
-    /// A place where no output may go.
+    /// Place that must not receive output.
     #[error("{}: {reason}", shown.display())]
     Refused {
-        /// The folder as it was asked for.
+        /// Folder as requested.
         shown: PathBuf,
         /// Fault of the place.
         reason: String,
     },
-    /// An output of ours that [`Request::force`] replaces.
+    /// Earlier output that only [`Request::force`] replaces.
     #[error("{}: {reason}", shown.display())]
     Kept {
-        /// The folder as it was asked for.
+        /// Folder as requested.
         shown: PathBuf,
-        /// Why it is kept.
+        /// Reason why it is kept.
         reason: String,
     },
     /// Output that cannot be written.
@@ -62,39 +62,39 @@ pub enum FolderError {
 /// Request for an output folder.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// Command for the manifest: one that can be typed again.
+    /// Command for the manifest, ready to be repeated.
     pub command: String,
-    /// Scene, or what else the results are of.
+    /// Scene or other subject of the results.
     pub of: String,
-    /// Keep an earlier output that is known to be of something else.
+    /// Keeps an earlier output with another known subject.
     pub only_of: bool,
-    /// Replace files of ours that were changed, and an output of something else.
+    /// Replaces modified files of this program, and outputs of another subject.
     pub force: bool,
-    /// The place must be free, and what is written gets no manifest.
+    /// Requires a free place; the output gets no manifest.
     pub fresh: bool,
-    /// Files that are read: an output folder that is or contains an input is refused.
+    /// Input files: an output folder that is or contains an input is refused.
     pub inputs: Vec<PathBuf>,
 }
 
-/// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
+/// Output folder under construction. Dropped without [`publish`](Self::publish) it leaves nothing.
 #[derive(Debug)]
 pub struct Folder {
-    /// Absolute, without links.
+    /// Absolute path without links.
     target: PathBuf,
     /// Path as the user wrote it.
     shown: PathBuf,
     request: Request,
-    /// Holds the new output, after an exchange the earlier one; nobody else may enter it.
+    /// Folder of the new output, and of the earlier one after an exchange; only the owner may enter it.
     draft: TempDir,
-    /// Folder of the new output inside the draft, with the mode that the output gets.
+    /// Folder of the new output inside the draft, with the output's mode.
     content: PathBuf,
 }
 
 impl Folder {
-    /// Checks that `out` may be written, before anything long is run.
+    /// Checks that `out` may be written, before a long run.
     ///
     /// # Errors
-    /// A place where no output may go, or that cannot be written.
+    /// Place that must not receive output, or that cannot be written.
     pub fn prepare(out: &Path, request: Request) -> Result<Self, FolderError> {
         let target = resolved(out)?;
         inspect_surroundings(&target, out, &request)?;
@@ -113,7 +113,7 @@ impl Folder {
         })
     }
 
-    /// Returns the folder to write into for now.
+    /// Returns the folder to write into.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.content
@@ -125,27 +125,27 @@ impl Folder {
         &self.shown
     }
 
-    /// Returns the draft, which a kill leaves.
+    /// Returns the draft, which remains after a kill.
     #[must_use]
     pub fn draft(&self) -> &Path {
         self.draft.path()
     }
 
-    /// Gives the folder its name; returns it as the user wrote it.
+    /// Renames the folder to its target; returns the target as the user wrote it.
     ///
     /// # Errors
-    /// The folder cannot be written, or holds by now something that must stay.
+    /// The folder cannot be written, or its place now has something that must stay.
     pub fn publish(self) -> Result<PathBuf, FolderError> {
         self.finish(true)
     }
 
-    /// Publishes although the user asked to stop, for studies whose results say how far they got.
+    /// Publishes after the user requested a stop, for studies whose results state their progress.
     ///
-    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`, or where
-    /// that is taken `out/bench.partial-2` and so on.
+    /// A complete earlier output stays: the partial one is placed beside it, `out/bench.partial` for `out/bench`, or if that
+    /// exists `out/bench.partial-2` and so on.
     ///
     /// # Errors
-    /// As [`publish`](Self::publish).
+    /// Errors of [`publish`](Self::publish).
     pub fn publish_partial(mut self) -> Result<PathBuf, FolderError> {
         let numbered = (2..100).map(|number| format!(".partial-{number}"));
         let mut endings = [String::new(), ".partial".to_owned()]
@@ -171,13 +171,14 @@ impl Folder {
         }
         let parent = target.parent().unwrap_or(target);
         fs::create_dir_all(parent).map_err(failed)?;
-        // This takes a free place or an empty folder, and nothing else.
+        // A rename replaces only a free place or an empty folder.
         if let Err(error) = fs::rename(content, target) {
             if fs::symlink_metadata(target).is_err() {
                 return Err(failed(error).into());
             }
             exchange(content, target).map_err(failed)?;
-            // Here nobody else can add to the earlier output, so it is inspected before it goes with the draft.
+            // Inside the draft no other process can add to the earlier output, so it is inspected before it is deleted with the
+            // draft.
             if let Err(refused) = inspect(content, &self.shown, &self.request) {
                 if let Err(error) = exchange(content, target) {
                     let kept = self.draft.keep();
@@ -186,7 +187,7 @@ impl Folder {
                 return Err(refused);
             }
         }
-        // The name is there; should this fail, only a loss of power could take it away.
+        // The rename is done; if this fails, only a power loss could undo it.
         let _ = sync(parent);
         Ok(self.shown)
     }
@@ -199,7 +200,7 @@ fn refused(shown: &Path, reason: impl Into<String>) -> FolderError {
     }
 }
 
-/// Resolves `out` to an absolute path without links and `..`, of which only the end may not exist yet.
+/// Resolves `out` to an absolute path without links and `..`; its end may be missing.
 fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
     if out.as_os_str().is_empty() {
         return Err(FolderError::Empty);
@@ -216,11 +217,11 @@ fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
         below.push(part);
         match fs::symlink_metadata(&below) {
             Ok(_) => return Err(refused(out, "is a link to nothing, or leads through one")),
-            // Below a file the draft meets the fault.
+            // Below a file the draft reports the fault.
             Err(error)
                 if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory]
                     .contains(&error.kind()) => {}
-            // A name too long, for example.
+            // For example a name that is too long.
             Err(error) => return Err(not_found(error)),
         }
     }
@@ -230,14 +231,14 @@ fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
         return Err(refused(out, "is a link; name the folder itself"));
     }
     let root = existing.canonicalize().map_err(not_found)?;
-    // Joining nothing would add a slash.
+    // Joining an empty path would add a slash.
     Ok(match rest.as_os_str().is_empty() {
         true => root,
         false => root.join(rest),
     })
 }
 
-/// Refuses a target by where it is.
+/// Refuses a target because of its location.
 fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
     let within = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -267,12 +268,12 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
     Ok(())
 }
 
-/// Refuses a folder at `place` that is not ours to replace.
+/// Refuses a folder at `place` that this program must not replace.
 fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
     let unread = |error: io::Error| refused(shown, format!("cannot be read: {error}"));
     match fs::symlink_metadata(place) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        // The draft meets it with a better message.
+        // The draft reports it with a better message.
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => return Ok(()),
         Err(error) => return Err(unread(error)),
         Ok(at) if !at.is_dir() => return Err(refused(shown, "is not a folder")),
@@ -312,7 +313,7 @@ fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderEr
     }
 }
 
-/// Returns `path` with something added to its name.
+/// Returns `path` with `ending` added to its name.
 #[must_use]
 pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -328,25 +329,25 @@ fn exchange(new: &Path, old: &Path) -> io::Result<()> {
         if renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE).is_ok() {
             return Ok(());
         }
-        // Some file systems cannot exchange; renames can.
+        // On file systems without an exchange, renames follow.
     }
     by_renames(new, old)
 }
 
-/// Exchanges two folders by three renames. A kill between them leaves the earlier output under a name that says so.
+/// Exchanges two folders by three renames. A kill between them leaves the earlier output under a telling name.
 #[doc(hidden)]
 pub fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
     let aside = beside(old, &format!(".earlier-{}", std::process::id()));
     fs::rename(old, &aside)?;
     if let Err(error) = fs::rename(new, old) {
-        // Better the earlier output than none.
+        // Restores the earlier output.
         let _ = fs::rename(&aside, old);
         return Err(error);
     }
     fs::rename(&aside, new)
 }
 
-/// Lists the words that are files, and what TOML files among them name in turn: the base of a scene, the scene of a sweep.
+/// Lists the words that are files, and files named by TOML files among them: the base of a scene, the scene of a sweep.
 #[must_use]
 pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -361,7 +362,7 @@ pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
             .and_then(|_| crate::read_text(&path, "").ok());
         if let Some(Ok(table)) = text.map(|text| text.parse::<toml::Table>()) {
             let above = path.parent().unwrap_or(Path::new(""));
-            // At the top, where they stand; a word that is no path is no file either.
+            // Top-level values; words that are no paths are no files.
             let words = table.values().filter_map(toml::Value::as_str);
             open.extend(words.flat_map(|word| [PathBuf::from(word), above.join(word)]));
         }
@@ -370,7 +371,7 @@ pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     files
 }
 
-/// Returns a page, or the one in a folder.
+/// Returns a page, or the page in a folder.
 #[must_use]
 pub fn page_at(place: &Path) -> Option<PathBuf> {
     let page = if place.is_dir() {
@@ -381,7 +382,7 @@ pub fn page_at(place: &Path) -> Option<PathBuf> {
     page.is_file().then_some(page)
 }
 
-/// Returns the page that was written last into a folder of `outs`.
+/// Returns the newest page in a folder of `outs`.
 #[must_use]
 pub fn newest_page(outs: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(outs).into_iter().flatten().flatten();

@@ -1,11 +1,11 @@
-//! Files: what users write, read with line, key and remedy; what the program writes, whole or not at all.
+//! Files: user files, read with line, key and remedy; output, written completely or not at all.
 //!
-//! * [`read`]: a TOML file as a type of serde: maps of foreign data, manifests of solvers, the head of a sweep.
-//! * [`Document`]: a TOML file whose keys are in a table of data and not in a type: scenes, and what sweeps vary.
-//! * [`FileError`]: what is wrong, on one line, with its remedy; [`did_you_mean`] for mistyped names.
-//! * [`folder`]: outputs that take their place in one step and replace nothing of others; [`Manifest`]: how they are known.
-//! * [`output`]: the files in them; [`mod@file`]: a file by itself.
-//! * [`Lock`]: a folder that one process at a time writes.
+//! * [`read`]: a TOML file as a serde type: maps of foreign data, manifests of solvers, the head of a sweep.
+//! * [`Document`]: a TOML file with keys from a table of data instead of a type: scenes, variations of sweeps.
+//! * [`FileError`]: one-line messages with remedies; [`did_you_mean`] for mistyped names.
+//! * [`folder`]: outputs that take their place in one step and replace no foreign files; [`Manifest`]: their identification.
+//! * [`output`]: files in them; [`mod@file`]: single files.
+//! * [`Lock`]: a folder for one process at a time.
 
 mod document;
 mod draft;

@@ -1,4 +1,4 @@
-//! Lock of a folder that several runs of the program write one after the other, as the journal of a sweep is.
+//! Lock of a folder that several runs of the program write in turn, such as the journal of a sweep.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read as _, Write as _};
@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use crate::draft::open_plain;
 use crate::output::OutputError;
 
-/// Name of the file that is locked; it marks a locked folder.
+/// Name of the lock file, which marks a locked folder.
 const LOCK: &str = ".lock";
-/// Most bytes of its text that are shown.
+/// Largest number of bytes of its text in a message.
 const MOST_BYTES: u64 = 400;
 
-/// A folder that this process alone writes; the system frees it when the process ends, however it ends.
+/// Folder that only this process writes; the system releases the lock when the process ends in any way.
 #[derive(Debug)]
 pub struct Lock {
     folder: PathBuf,
@@ -20,10 +20,10 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Takes a folder that is there: an empty one, or one that was taken before.
+    /// Locks an existing folder: an empty one, or one that was locked before.
     ///
     /// # Errors
-    /// It holds files but no lock; another process has it, which is named; it cannot be written.
+    /// The folder has files but no lock; another process has it, which is named; it cannot be written.
     pub fn take(folder: &Path, command: &str) -> Result<Self, OutputError> {
         let failed = |error: io::Error| OutputError::new(folder, &error);
         let refused = |reason: &str| Err(OutputError::new(folder, &reason));
@@ -54,7 +54,7 @@ impl Lock {
                 let _ = (&file).take(MOST_BYTES).read_to_string(&mut who);
                 return refused(&format!("{} writes it at present", who.trim_end()));
             }
-            // Some file systems have no locks: better a journal without one than none.
+            // Some file systems have no locks; a journal without one is better than none.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
             Err(TryLockError::Error(error)) => return Err(failed(error)),
         }
@@ -76,10 +76,10 @@ impl Lock {
         Ok(lock)
     }
 
-    /// Removes the lock and its folder, unless anything else is in it.
+    /// Removes the lock and its folder, unless it has other files.
     pub fn remove(self) {
         if others(&self.folder).is_ok_and(|others| others.is_empty()) {
-            // Windows removes no open file.
+            // Windows does not remove open files.
             drop(self.file);
             let _ = fs::remove_file(self.folder.join(LOCK));
             let _ = fs::remove_dir(&self.folder);
@@ -87,7 +87,7 @@ impl Lock {
     }
 }
 
-/// Names in a folder but for the lock.
+/// Returns the names in a folder except the lock.
 fn others(folder: &Path) -> io::Result<Vec<String>> {
     let names = fs::read_dir(folder)?;
     let names = names.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));

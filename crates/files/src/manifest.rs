@@ -1,7 +1,7 @@
-//! Manifest of an output folder: every file that this program wrote there, with its size and hash.
+//! Manifest of an output folder: all files written by this program, with size and hash.
 //!
-//! Names of files prove nothing: other tools write a `summary.json` too, and users edit ours. A folder is ours if its manifest
-//! names everything in it, and unchanged if every file still has the size and hash of the manifest.
+//! File names prove nothing: other tools write a `summary.json`, too, and users edit output. A folder is this program's if its
+//! manifest lists everything in it, and unchanged if every file has the listed size and hash.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -16,11 +16,11 @@ use crate::draft::{open_plain, sync};
 /// File name of the manifest.
 pub const MANIFEST: &str = ".pinwheel";
 const PROGRAM: &str = "pinwheel";
-/// Version of the layout.
+/// Version of the manifest's layout.
 const FORMAT: u32 = 2;
-/// Most bytes of a manifest: one of 10 000 files has 1.5 MB.
+/// Largest number of bytes of a manifest; one of 10 000 files has 1.5 MB.
 const MOST_BYTES: u64 = 1 << 26;
-/// From this many files on it is cheaper to wait for the disk once, as each file alone takes milliseconds.
+/// Number of files from which a single wait for the disk is cheaper, as each file takes milliseconds.
 const MANY: usize = 64;
 
 /// Manifest of an output folder.
@@ -30,9 +30,9 @@ pub struct Manifest {
     format: u32,
     /// Command that wrote the folder.
     pub command: String,
-    /// Scene, or what else the results are of; empty where it is not known.
+    /// Scene or other subject of the results; empty if unknown.
     pub of: String,
-    /// False if the command was stopped: there is only a part.
+    /// False if the command was stopped with partial results.
     pub complete: bool,
     /// Files by path below the folder, with `/` between parts; the path of an empty folder ends in `/`.
     files: BTreeMap<String, Written>,
@@ -45,12 +45,12 @@ struct Written {
     sha256: String,
 }
 
-/// Something in a folder that pinwheel did not leave there.
+/// Entry of a folder that pinwheel did not leave in this form.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Stranger {
-    /// Entry that is not in the manifest, or not of a kind that a manifest lists.
+    /// Entry that the manifest does not list, or of a kind that it never lists.
     Foreign(String),
-    /// Entry that is in the manifest with another size or hash.
+    /// Listed entry with another size or hash.
     Changed(String),
 }
 
@@ -66,7 +66,7 @@ impl Manifest {
         }
     }
 
-    /// Reads the manifest of a folder; `None` if there is none, or none of ours.
+    /// Reads the manifest of a folder; `None` if there is none of this program.
     #[must_use]
     pub fn of(folder: &Path) -> Option<Self> {
         let mut text = Vec::new();
@@ -79,7 +79,7 @@ impl Manifest {
         (read.program == PROGRAM && read.format == FORMAT).then_some(read)
     }
 
-    /// Lists what is in the folder, writes the manifest there, and waits until all of it is on the disk.
+    /// Lists the folder's content, writes the manifest there, and waits until all of it is on disk.
     pub(crate) fn seal(mut self, folder: &Path) -> io::Result<()> {
         let names = below(folder)?;
         let at_once = names.len() >= MANY && sync_all(folder);
@@ -99,8 +99,8 @@ impl Manifest {
     }
 }
 
-/// Finds what keeps a folder from being replaced: the first foreign file, or else the first that was changed. A file that is
-/// missing keeps nothing.
+/// Returns the entry that prevents replacement of a folder: the first foreign file, or else the first changed one. Missing
+/// files do not prevent it.
 pub(crate) fn stranger(folder: &Path) -> io::Result<Option<Stranger>> {
     let manifest = Manifest::of(folder);
     let mut changed = None;
@@ -125,8 +125,8 @@ pub(crate) fn stranger(folder: &Path) -> io::Result<Option<Stranger>> {
     Ok(changed)
 }
 
-/// Everything below a folder, sorted: plain files (true), and links, pipes and folders with nothing in them (false, the last
-/// ending in `/`).
+/// Lists everything below a folder, sorted: regular files (true), and links, pipes and empty folders (false, the last with a
+/// final `/`).
 fn below(folder: &Path) -> io::Result<BTreeMap<String, bool>> {
     let mut names = BTreeMap::new();
     let mut open = vec![(folder.to_owned(), String::new())];
@@ -151,9 +151,9 @@ fn below(folder: &Path) -> io::Result<BTreeMap<String, bool>> {
 }
 
 impl Written {
-    /// Reads a plain file; waits until it is on the disk if `synced`.
+    /// Reads a regular file; waits until it is on disk if `synced`.
     fn of(path: &Path, synced: bool) -> io::Result<Self> {
-        // Windows writes out only what is open for writing.
+        // Windows flushes only files that are open for writing.
         let write = synced && !cfg!(unix);
         let mut file = open_plain(path, File::options().read(true).write(write))?;
         let (mut hash, mut bytes, mut block) = (Sha256::new(), 0, vec![0; 1 << 16]);
@@ -178,7 +178,7 @@ impl Written {
     }
 }
 
-/// Waits until all of a file system is on the disk; false where the system cannot do that.
+/// Waits until an entire file system is on disk; false if the system cannot do that.
 fn sync_all(folder: &Path) -> bool {
     #[cfg(target_os = "linux")]
     return File::open(folder).is_ok_and(|folder| rustix::fs::syncfs(folder).is_ok());

@@ -1,4 +1,4 @@
-//! Writing the files of a result into a folder that is there.
+//! Writing of result files into an existing folder.
 
 use std::fmt::Display;
 use std::fs::{self, File};
@@ -7,18 +7,18 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-/// A file or folder that cannot be written.
+/// File or folder that cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: cannot be written: {reason}", path.display())]
 pub struct OutputError {
-    /// Path of the output that cannot be written.
+    /// Path of the output.
     pub path: PathBuf,
     /// Reason of the failure.
     pub reason: String,
 }
 
 impl OutputError {
-    /// `path` cannot be written because of `error`.
+    /// Returns the error of `path` with the cause `error`.
     pub fn new(path: &Path, error: &dyn Display) -> Self {
         Self {
             path: path.to_owned(),
@@ -27,11 +27,11 @@ impl OutputError {
     }
 }
 
-/// Why something cannot be written, in words: a full disk is called so, whichever library met it.
+/// Describes the reason of a write error, with one wording for a full disk from any library.
 #[must_use]
 pub fn reason(error: &dyn Display) -> String {
     let text = error.to_string();
-    // ENOSPC, EDQUOT and EFBIG, or their words where a library leaves out the number.
+    // Codes ENOSPC, EDQUOT and EFBIG, or their words if a library omits the number.
     for (signs, words) in [
         (
             ["(os error 28)", "No space left on device"],
@@ -53,7 +53,8 @@ pub fn reason(error: &dyn Display) -> String {
     text
 }
 
-/// A name as one part of a path, safe everywhere: letters, digits, `-`, `_` and `.`, no dot first, at most 80 bytes.
+/// Converts a name to a path component that is safe everywhere: letters, digits, `-`, `_` and `.`, no leading dot, at most 80
+/// bytes.
 #[must_use]
 pub fn file_name(name: &str) -> String {
     const LONGEST: usize = 80;
@@ -72,14 +73,13 @@ pub fn file_name(name: &str) -> String {
     text
 }
 
-/// True if a character acts on the program that shows it instead of being shown: controls, and characters that turn the
-/// direction of text after them.
+/// True if a character acts on the displaying program: control characters, and those that change the direction of text.
 #[must_use]
 pub fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Text as markup, for elements and attributes of HTML and XML; what steers is written out as `\u202e`.
+/// Escapes text for elements and attributes of HTML and XML; control characters are written as `\u202e`.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -118,7 +118,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
     fs::write(path, text).map_err(|error| OutputError::new(path, &error))
 }
 
-/// Makes the folder `name` in `dir`, and missing parent folders.
+/// Creates the folder `name` in `dir`, and missing parent folders.
 ///
 /// # Errors
 /// The folder cannot be made.
@@ -142,6 +142,6 @@ pub fn write_with<E: Display>(
     let file = File::create(&path).map_err(|error| failed(&error))?;
     let mut sink = BufWriter::new(file);
     write(&mut sink).map_err(|error| failed(&error))?;
-    // Dropped, it would keep the last error to itself.
+    // Dropping the sink would hide its last error.
     sink.flush().map_err(|error| failed(&error))
 }

@@ -1,13 +1,12 @@
-//! Names: "did you mean", the nearest known one to a mistyped one; and patterns of names.
+//! Name suggestions for mistyped names, and patterns of names.
 
-/// The known name nearest to `typed`, if it is near enough to be what was meant.
+/// Returns the known name nearest to `typed`, if it is near enough to be the intended one.
 ///
-/// Near enough: at most a third of the longer name has to change (Damerau-Levenshtein distance,
-/// adjacent letters swapped counting once), or of a name's first word (`mujoco` of `mujoco-shared-law`); or one contains the
-/// other.
+/// Near enough: at most a third of the longer name, or of a name's first word (`mujoco` of `mujoco-shared-law`), has to change
+/// (Damerau-Levenshtein distance, adjacent swaps counting once); or one contains the other.
 #[must_use]
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // The distance costs the product of both lengths; no key is that long.
+    // The cost of the distance is the product of both lengths; no key is that long.
     const LONGEST: usize = 80;
     if typed.is_empty() || typed.len() > LONGEST {
         return None;
@@ -45,7 +44,7 @@ pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
 /// True if `text` fits `pattern`, in which `*` stands for any characters.
 #[must_use]
 pub fn fits(pattern: &str, text: &str) -> bool {
-    // With one place to fall back to: a pattern of many `*`, which a file may hold, takes no longer than others.
+    // A single fallback position, so that a pattern of many `*` takes no longer than others.
     let (pattern, text) = (pattern.as_bytes(), text.as_bytes());
     let (mut p, mut t) = (0, 0);
     let mut star: Option<(usize, usize)> = None;

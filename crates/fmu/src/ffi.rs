@@ -1,12 +1,11 @@
-//! The C interface: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
-//! this crate is in this file and in those below it.
+//! C interface: the functions of FMI 2.0 for co-simulation, with the names, types and numbers of the standard. All `unsafe` of
+//! this crate is in this file and in the files below it.
 //!
-//! Importers promise some facts that no code can check: texts end in a zero byte; arrays hold as many values as are
-//! said, aligned, and used by nobody else during the call; the logger is the standard's and outlives the unit.
-//! Everything else is checked: a component and a state are numbers that are never used twice, not addresses, so that
-//! one that was freed or made up is refused; null addresses are refused; no panic gets out. A call that is refused
-//! tells the logger why, returns `fmi2Error`, and the unit stays what it was. The memory is our own, not the
-//! importer's.
+//! Importers guarantee some facts that no code can check: texts end in a zero byte; arrays are aligned, have the stated length,
+//! and are not used by others during the call; the logger is the standard's and outlives the unit. Everything else is checked.
+//! A component and a state are unique numbers, not addresses, so that freed or invented ones are refused; null addresses are
+//! refused; no panic leaves the library. A refused call reports the reason to the logger, returns `fmi2Error`, and leaves the
+//! unit unchanged. Memory is allocated by the library, not by the importer.
 
 #![allow(unsafe_code)]
 
@@ -30,31 +29,31 @@ use crate::model::Model;
 const OK: c_int = 0;
 const WARNING: c_int = 1;
 const ERROR: c_int = 3;
-/// `fmi2CoSimulation` of `fmi2Type`.
+/// Constant `fmi2CoSimulation` of `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
 
-/// Signature of the logger: environment, instance, status, category, message in printf's form, its arguments.
+/// Signature of the logger: environment, instance, status, category, message in printf format, its arguments.
 type Log =
     unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
-/// `fmi2CallbackFunctions`.
+/// Structure `fmi2CallbackFunctions`.
 #[repr(C)]
 pub struct Callbacks {
-    /// Function that takes messages.
+    /// Function that receives messages.
     pub logger: Option<Log>,
     /// Not used: `canNotUseMemoryManagementFunctions`.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
     /// Not used.
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
-    /// Not used: steps are done when the call returns.
+    /// Not used: steps are complete when the call returns.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
     /// Value that is passed back to the logger.
     pub environment: *mut c_void,
 }
 
-/// Handle that the importer holds: only ever a number in the shape of an address.
+/// Handle of a unit for the importer: a number in the form of an address.
 pub type Component = *mut c_void;
-/// Handle of a saved state that the importer holds: only ever a number in the shape of an address.
+/// Handle of a saved state for the importer: a number in the form of an address.
 pub type State = *mut c_void;
 
 /// Logger of the importer, which receives refusals.
@@ -64,18 +63,18 @@ struct Logger {
     name: CString,
 }
 
-// SAFETY: the standard has the importer answer for its environment in whatever thread it calls from; here it is only handed back.
+// SAFETY: by the standard the importer is responsible for its environment in any calling thread; here it is only passed back.
 unsafe impl Send for Logger {}
-// SAFETY: as above; nothing of it changes.
+// SAFETY: as above; none of its data change.
 unsafe impl Sync for Logger {}
 
 impl Logger {
     fn tell(&self, status: c_int, category: &CStr, message: &str) {
         let Some(log) = self.log else { return };
-        // The message is a format: a percent sign stands for itself where it is doubled.
+        // The message is a printf format, in which a percent sign is doubled.
         let text = message.replace('\0', " ").replace('%', "%%");
         let text = CString::new(text).unwrap_or_default();
-        // SAFETY: the importer's logger, with what the standard says it takes.
+        // SAFETY: the importer's logger, with the arguments of the standard.
         unsafe {
             log(
                 self.environment,
@@ -120,7 +119,7 @@ struct Kept {
 static UNITS: Handles<Unit> = Handles::new();
 static STATES: Handles<Kept> = Handles::new();
 
-/// Runs a call on a unit and tells its logger of a refusal.
+/// Runs a call on a unit and reports a refusal to its logger.
 fn on(component: Component, call: impl FnOnce(&mut Instance) -> Result<c_int, Refusal>) -> c_int {
     let Some(unit) = UNITS.find(component) else {
         return ERROR;
@@ -193,7 +192,7 @@ unsafe fn text<'a>(start: *const c_char) -> Option<&'a str> {
     unsafe { CStr::from_ptr(start) }.to_str().ok()
 }
 
-/// The folder of an address as FMI gives it: `file:///folder`, `file:/folder`, or a bare path.
+/// Returns the folder of an FMI address: `file:///folder`, `file:/folder`, or a bare path.
 fn folder(address: &str) -> PathBuf {
     let path = match address.strip_prefix("file:") {
         None => return PathBuf::from(address),
@@ -201,7 +200,7 @@ fn folder(address: &str) -> PathBuf {
     };
     let path = path.strip_prefix("localhost").unwrap_or(path);
     let path = percent_encoding::percent_decode_str(path).decode_utf8_lossy();
-    // A drive's letter stands after the slash.
+    // A drive letter follows the slash.
     let drive = cfg!(windows) && path.as_bytes().get(2) == Some(&b':');
     PathBuf::from(if drive { &path[1..] } else { &*path })
 }
@@ -221,7 +220,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
 /// Switches messages beyond refusals on or off.
 ///
 /// # Safety
-/// `categories`: null or `count` texts; they are not read: there is one category.
+/// `categories`: null or `count` texts, which are not read, because there is one category.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetDebugLogging(
     component: Component,
@@ -239,7 +238,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
 /// Creates a unit; returns null if that fails.
 ///
 /// # Safety
-/// Texts: null or with their end. `callbacks`: null or the standard's structure.
+/// Texts: null or zero-terminated. `callbacks`: null or the standard's structure.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     name: *const c_char,
@@ -252,7 +251,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
 ) -> Component {
     // SAFETY: null or the standard's structure.
     let callbacks = unsafe { callbacks.as_ref() };
-    // SAFETY: null or texts with their end.
+    // SAFETY: null or zero-terminated texts.
     let (name, guid, resources) = unsafe { (text(name), text(guid), text(resources)) };
     let logger = Logger {
         log: callbacks.and_then(|callbacks| callbacks.logger),
@@ -327,7 +326,7 @@ pub extern "C" fn fmi2EnterInitializationMode(component: Component) -> c_int {
     on(component, |unit| done(unit.enter_initialization()))
 }
 
-/// Leaves the initialisation: steps may follow.
+/// Ends the initialisation: steps may follow.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
     on(component, |unit| {
@@ -392,7 +391,7 @@ pub extern "C" fn fmi2DoStep(
     })
 }
 
-/// Ends a step that another thread does: it returns as one that failed, after which an earlier state or a reset goes on.
+/// Cancels a step in another thread: it returns as failed, and the unit continues from an earlier state or after a reset.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2CancelStep(component: Component) -> c_int {
     if UNITS.find(component).is_some_and(|unit| unit.cancel()) {

@@ -1,4 +1,4 @@
-//! State machine of a unit during a simulation: permitted order of calls, and the effect of each call [FMI 2.0, 4.2].
+//! State machine of a unit during a simulation: permitted order and effect of calls [FMI 2.0, 4.2].
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::{Input, Model, Shaft, Variable, What};
 
-/// Reason for which a call was refused.
+/// Reason of a refused call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal(pub String);
 
@@ -23,7 +23,7 @@ fn refused<T>(what: impl Into<String>) -> Result<T, Refusal> {
     Err(Refusal(what.into()))
 }
 
-/// Inputs have the bounds of a scene: beyond them steps become so small that none ends.
+/// Checks an input against the bounds of the scene's key: beyond them steps become too small to finish.
 fn within(call: &str, name: &str, input: Input, value: f64) -> Result<(), Refusal> {
     match input.key().and_then(|key| key.refuses(value)) {
         Some(words) => refused(format!("{call}: {name} must be {words}, not {value:e}")),
@@ -54,13 +54,13 @@ impl Phase {
     }
 }
 
-/// State besides the gear on which the next calls depend.
+/// State on which the next calls depend, except for the gear.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Prescribed {
     phase: Phase,
     /// Values of the variables, by value reference.
     values: Vec<f64>,
-    /// Slopes of the inputs, change a second; valid for the next step alone.
+    /// Slopes of the inputs, change per second; valid for the next step only.
     slopes: Vec<f64>,
     start_s: f64,
     stop_s: Option<f64>,
@@ -82,7 +82,7 @@ pub struct Instance {
     model: Arc<Model>,
     prescribed: Prescribed,
     gear: Option<CoSimulation>,
-    /// Observation at the time reached.
+    /// Observation at the present time.
     seen: Option<(Shafts, Vec<f64>)>,
 }
 
@@ -113,7 +113,7 @@ impl Instance {
         }
         let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
         refused(format!(
-            "{call} came {}; it may come {}",
+            "{call} was called {}; it may be called {}",
             self.prescribed.phase.words(),
             wanted.join(" or ")
         ))
@@ -132,7 +132,7 @@ impl Instance {
         self.in_phase("fmi2SetupExperiment", &[Phase::Instantiated])?;
         if !start_s.is_finite() {
             return refused(format!(
-                "fmi2SetupExperiment: a start at {start_s} s is no time"
+                "fmi2SetupExperiment: a start at {start_s} s is not a valid time"
             ));
         }
         if let Some(stop) = stop_s.filter(|stop| !(*stop >= start_s)) {
@@ -155,7 +155,7 @@ impl Instance {
     /// Builds the gear, as `fmi2EnterInitializationMode`.
     ///
     /// # Errors
-    /// A call at the wrong moment, or values that make no gear.
+    /// A call at the wrong moment, or values without a valid gear.
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
         self.prescribed.phase = Phase::Initialising;
@@ -166,7 +166,7 @@ impl Instance {
     /// Begins the stepping phase, as `fmi2ExitInitializationMode`.
     ///
     /// # Errors
-    /// As [`enter_initialization`](Self::enter_initialization).
+    /// Errors of [`enter_initialization`](Self::enter_initialization).
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2ExitInitializationMode", &[Phase::Initialising])?;
         self.begin()?;
@@ -189,7 +189,7 @@ impl Instance {
         *self = Self::new(Arc::clone(&self.model));
     }
 
-    /// Builds the gear at its start, unless it exists already.
+    /// Builds the gear at its start, unless it exists.
     fn begin(&mut self) -> Result<(), Refusal> {
         if self.gear.is_none() {
             let values = &self.prescribed.values;
@@ -212,7 +212,7 @@ impl Instance {
         })
     }
 
-    /// The place of a variable that is a Boolean, or is none.
+    /// Returns the index of a variable; `boolean`: the required type.
     fn place_of(&self, call: &str, reference: u32, boolean: bool) -> Result<usize, Refusal> {
         let (place, variable) = self.variable(call, reference)?;
         if variable.is_boolean() != boolean {
@@ -225,7 +225,7 @@ impl Instance {
     /// Sets one variable, as `fmi2SetReal`.
     ///
     /// # Errors
-    /// No such variable, one that cannot be set now, or a value that is no number.
+    /// No such variable, one that cannot be set now, or a value that is not finite.
     pub fn set_real(&mut self, reference: u32, value: f64) -> Result<(), Refusal> {
         let place = self.place_of("fmi2SetReal", reference, false)?;
         self.set("fmi2SetReal", place, value)
@@ -234,7 +234,7 @@ impl Instance {
     /// Sets one Boolean variable, as `fmi2SetBoolean`.
     ///
     /// # Errors
-    /// As [`set_real`](Self::set_real).
+    /// Errors of [`set_real`](Self::set_real).
     pub fn set_boolean(&mut self, reference: u32, value: bool) -> Result<(), Refusal> {
         let place = self.place_of("fmi2SetBoolean", reference, true)?;
         self.set("fmi2SetBoolean", place, f64::from(u8::from(value)))
@@ -267,10 +267,10 @@ impl Instance {
         Ok(())
     }
 
-    /// Sets the slope of one input over the next step, as `fmi2SetRealInputDerivatives`; change a second.
+    /// Sets the slope of one input over the next step, change per second, as `fmi2SetRealInputDerivatives`.
     ///
     /// # Errors
-    /// No input, another order than the first, a wrong moment, or a value that is no number.
+    /// No input, another order than the first, a wrong moment, or a value that is not finite.
     pub fn set_slope(&mut self, reference: u32, order: i32, value: f64) -> Result<(), Refusal> {
         const CALL: &str = "fmi2SetRealInputDerivatives";
         let (place, variable) = self.variable(CALL, reference)?;
@@ -296,7 +296,7 @@ impl Instance {
     /// Returns the value of one variable, as `fmi2GetReal`.
     ///
     /// # Errors
-    /// No such variable, or one that is not known yet.
+    /// No such variable, or one without a value yet.
     pub fn real(&mut self, reference: u32) -> Result<f64, Refusal> {
         let place = self.place_of("fmi2GetReal", reference, false)?;
         let variable = &self.model.variables()[place];
@@ -338,15 +338,15 @@ impl Instance {
     /// Advances the gear by one step, as `fmi2DoStep`.
     ///
     /// # Errors
-    /// A call at the wrong moment, a wrong time, or a motion that cannot go on.
+    /// A call at the wrong moment, a wrong time, or a motion that cannot continue.
     pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), Refusal> {
         self.step_unless(from_s, step_s, &|| false)
     }
 
-    /// Advances the gear by one step, as `fmi2DoStep`; ends early once `cancelled`, which is called on the way, returns true.
+    /// Advances the gear by one step, as `fmi2DoStep`; ends early when `cancelled`, called during the step, returns true.
     ///
     /// # Errors
-    /// As [`step`](Self::step), or cancelled.
+    /// Errors of [`step`](Self::step), or cancellation.
     pub fn step_unless(
         &mut self,
         from_s: f64,
@@ -399,7 +399,7 @@ impl Instance {
         })
     }
 
-    /// Describes the method and the setting that determines its steps.
+    /// Describes the method and the setting of its steps.
     #[must_use]
     pub fn method(&self) -> String {
         let words = |gear: &CoSimulation| {
@@ -412,7 +412,7 @@ impl Instance {
         self.gear.as_ref().map_or_else(String::new, words)
     }
 
-    /// Returns a note that the given tolerance has no effect, if one was given.
+    /// Returns a note if a given tolerance has no effect.
     #[must_use]
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
@@ -425,16 +425,16 @@ impl Instance {
         })
     }
 
-    /// Returns the time reached, s.
+    /// Returns the present time, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.prescribed.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
     }
 
-    /// Saves the complete state as bytes, exact to the bit, as `fmi2GetFMUstate`.
+    /// Returns the complete state as bytes, exact to the bit, as `fmi2GetFMUstate`.
     ///
     /// # Errors
-    /// Returns a refusal that should not happen: a state that cannot be written.
+    /// Internal fault: a state that cannot be written.
     pub fn save(&mut self) -> Result<Vec<u8>, Refusal> {
         let saved = Saved {
             guid: self.model.guid().to_owned(),
@@ -450,11 +450,11 @@ impl Instance {
     /// Restores a state of this unit or of another unit of the same model, as `fmi2SetFMUstate`.
     ///
     /// # Errors
-    /// Bytes that are no state of this model; the unit is unchanged then.
+    /// Bytes that are no state of this model; the unit is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
         let saved = self.read(bytes)?;
         let prescribed = saved.prescribed;
-        // Values are compared by their bits, because outputs hold no number.
+        // Values are compared by their bits, because outputs are NaN.
         let begun = self.prescribed.begun.iter().zip(&prescribed.begun);
         let same = self.prescribed.tolerance == prescribed.tolerance
             && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
@@ -465,7 +465,7 @@ impl Instance {
                 _ => other.insert(self.model.begin(&prescribed.begun, prescribed.tolerance)?),
             };
             if !gear.restore(state) {
-                return refused("the state is none of this unit");
+                return refused("the state is not one of this unit");
             }
             self.gear = other.or(self.gear.take());
         } else {

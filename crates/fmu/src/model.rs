@@ -10,19 +10,19 @@ use pinwheel_scene::keys::{Key, Kind, Range, key};
 use pinwheel_scene::scales::{Scales, internal_force};
 use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
 
-/// The scene's file among the resources.
+/// Name of the scene's file among the resources.
 pub(crate) const SCENE_FILE: &str = "scene.toml";
-/// Parts of a scene whose numbers are parameters.
+/// Tables of a scene whose numbers are parameters.
 const TUNED: [&str; 3] = ["gear.", "contact.", "mass."];
 
-/// Quantity that a variable stands for.
+/// Quantity of a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum What {
-    /// A number of the scene, by its key: a fixed parameter.
+    /// Number of the scene, by its key: a fixed parameter.
     Key,
-    /// Tolerance, the relative error a step: a fixed parameter.
+    /// Tolerance, the relative error per step: a fixed parameter.
     Tolerance,
-    /// Support of the gear: a fixed Boolean parameter.
+    /// Drive and load of the gear: a fixed Boolean parameter.
     Flag(Flag),
     /// Input variable.
     Input(Input),
@@ -32,18 +32,18 @@ pub enum What {
     Column(usize),
 }
 
-/// See [`FLAGS`].
+/// Boolean parameters, see [`FLAGS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flag {
-    /// The input shaft is free and driven by a torque.
+    /// Free input shaft, driven by a torque.
     DriveByTorque,
-    /// The output shaft's speed is prescribed.
+    /// Prescribed speed of the output shaft.
     LoadBySpeed,
-    /// The scene's load acts too.
+    /// Scene's load in addition.
     SceneLoad,
 }
 
-/// See [`SHAFTS`].
+/// Inputs, see [`SHAFTS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Input {
     /// Speed of the input shaft, rad/s.
@@ -57,7 +57,7 @@ pub enum Input {
 }
 
 impl Input {
-    /// The key of a scene that holds the like, and whose range holds here.
+    /// Returns the key of a scene for the same quantity, with its range.
     pub(crate) fn key(self) -> Option<&'static Key> {
         key(match self {
             Self::DriveSpeed | Self::LoadSpeed => "drive.input_speed_rad_s",
@@ -66,7 +66,7 @@ impl Input {
     }
 }
 
-/// See [`SHAFTS`].
+/// Outputs of the shafts, see [`SHAFTS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shaft {
     /// Angle of the input, rad.
@@ -75,13 +75,13 @@ pub enum Shaft {
     InputSpeed,
     /// Speed of the output, rad/s.
     OutputSpeed,
-    /// Torque from outside on the output, N m.
+    /// External torque on the output, N m.
     Load,
     /// Largest force on a pin, N.
     LargestForce,
 }
 
-/// Tables of variables: name, what it stands for, what it is with sign.
+/// Tables of variables: name, quantity, description with sign.
 macro_rules! rows {
     ($($name:literal $what:expr, $about:literal;)*) => {
         &[$(($name, $what, $about)),*]
@@ -107,25 +107,25 @@ const FLAGS: &[(&str, What, &str)] = rows! {
     "scene_load" What::Flag(Flag::SceneLoad), "true: the scene's load, with its ramp and changes, acts on the output shaft beside load_torque_n_m; false: that alone";
 };
 
-/// The columns of every run; they are variables by their place.
+/// Columns of every run; as variables they are numbered by position.
 const COLUMNS: &[(&str, (), &str)] = rows! {
     "input_torque_n_m" (), "torque of the drive on the input shaft, counter-clockwise";
-    "output_torque_n_m" (), "all that turns the output shaft but its load, counter-clockwise";
+    "output_torque_n_m" (), "all torques on the output shaft except its load, counter-clockwise";
     "output_angle_rad" (), "angle of the output shaft, counter-clockwise";
     "external_sleeve_force_n_*" (), "force of all discs on the ring pin";
     "internal_sleeve_force_n_*" (), "force of all discs on the output pin";
 };
 
-/// A variable; its value reference is its place in the list.
+/// Variable; its value reference is its index in the list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Name with its unit at the end; keys of the scene keep their names.
+    /// Name with its unit at the end; keys of the scene are unchanged.
     pub name: String,
     /// Meaning of the variable, with sign.
     pub about: String,
-    /// Quantity that the variable stands for.
+    /// Quantity of the variable.
     pub what: What,
-    /// First value; of Booleans 0 or 1, of outputs nothing.
+    /// Initial value; 0 or 1 of Booleans, unused for outputs.
     pub start: f64,
 }
 
@@ -136,7 +136,7 @@ impl Variable {
         matches!(self.what, What::Flag(_))
     }
 
-    /// Returns least and largest value; infinite where there is no bound.
+    /// Returns least and largest value; infinite without a bound.
     #[must_use]
     pub fn limits(&self) -> [f64; 2] {
         let key = match self.what {
@@ -151,8 +151,8 @@ impl Variable {
         }
     }
 
-    /// The size that it has in the scene: of parameters and speeds their own, else what the load makes; `None` where
-    /// nothing tells.
+    /// Returns the typical size in the scene: the value itself for parameters and speeds, else a size by the load; `None` if
+    /// unknown.
     #[must_use]
     pub fn nominal(&self, gearbox: &Gearbox) -> Option<f64> {
         let (scene, scales) = (&*gearbox.scene, Scales::of(&gearbox.scene));
@@ -177,7 +177,7 @@ impl Variable {
         Some(size.abs()).filter(|size| *size > 0.0)
     }
 
-    /// True if the variable is computed.
+    /// True for an output.
     #[must_use]
     pub fn is_output(&self) -> bool {
         matches!(self.what, What::Shaft(_) | What::Column(_))
@@ -194,10 +194,10 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of a unit's resources.
+    /// Reads the model from a unit's resources.
     ///
     /// # Errors
-    /// Returns the part that is missing or wrong.
+    /// Missing or wrong part.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(SCENE_FILE);
         let text = std::fs::read_to_string(&path)
@@ -207,7 +207,7 @@ impl Model {
         Self::new(text, gearbox)
     }
 
-    /// The model of a compiled scene.
+    /// Makes the model of a compiled scene.
     ///
     /// # Errors
     /// A scene that the native solver cannot run.
@@ -226,19 +226,19 @@ impl Model {
         })
     }
 
-    /// The compiled scene.
+    /// Returns the compiled scene.
     #[must_use]
     pub fn gearbox(&self) -> &Gearbox {
         &self.gearbox
     }
 
-    /// The scene.
+    /// Returns the scene.
     #[must_use]
     pub fn scene(&self) -> &CheckedScene {
         &self.gearbox.scene
     }
 
-    /// The scene as it stands among the resources.
+    /// Returns the scene as text, as among the resources.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -250,13 +250,13 @@ impl Model {
         &self.variables
     }
 
-    /// Identifier of the unit: a hash of the scene, its variables and the version.
+    /// Returns the identifier of the unit: a hash of the scene, its variables and the version.
     #[must_use]
     pub fn guid(&self) -> &str {
         &self.guid
     }
 
-    /// The gear at its start under these values of all variables.
+    /// Starts the gear under these values of all variables.
     pub(crate) fn begin(
         &self,
         values: &[f64],
@@ -293,7 +293,7 @@ impl Model {
         CoSimulation::new(&gearbox, setup).map_err(|error| error.to_string())
     }
 
-    /// The variables that hold the input and the output.
+    /// Returns the indices of the variables that prescribe input and output.
     pub(crate) fn holders(&self, values: &[f64]) -> [usize; 2] {
         let drive = match self.flag(values, Flag::DriveByTorque) {
             true => Input::DriveTorque,
@@ -306,7 +306,7 @@ impl Model {
         [drive, load].map(|input| self.place(What::Input(input)))
     }
 
-    /// The place of the variable that stands for `what`; all flags and inputs are there.
+    /// Returns the index of the variable `what`; all flags and inputs have one.
     fn place(&self, what: What) -> usize {
         let found = self.variables.iter().position(|v| v.what == what);
         found.unwrap_or(0)
@@ -355,7 +355,7 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     let begun = CoSimulation::new(gearbox, Setup::of(&gearbox.scene.drive))
         .map_err(|error| error.to_string())?;
     let about =
-        "relative error a step of adaptive methods; one that the importer gives goes before it";
+        "relative error a step of adaptive methods; a tolerance of the importer takes precedence";
     // A fixed step uses no tolerance.
     if begun.adaptive() {
         add("solver.tolerance", about, What::Tolerance, begun.method().1);
@@ -372,8 +372,8 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     Ok(all)
 }
 
-/// A numbered column as an element of an array, whose indices begin with 1, and what it is, with its number and the place of its
-/// pin at the start.
+/// Returns name and description of a numbered column as an array element, whose indices begin with 1, with its number and the
+/// initial position of its pin.
 fn element(name: &str, about: &str, scene: &Scene) -> (String, String) {
     let numbered = name.rsplit_once('_');
     let numbered = numbered.and_then(|(array, k)| Some((array, k.parse::<u32>().ok()?)));
@@ -397,7 +397,7 @@ fn element(name: &str, about: &str, scene: &Scene) -> (String, String) {
     )
 }
 
-/// FNV-1a, 128 bits [Fowler, Noll, Vo 1991], as a GUID is written.
+/// Returns the FNV-1a hash, 128 bits [Fowler, Noll, Vo 1991], in the form of a GUID.
 fn guid(text: &str, variables: &[Variable]) -> String {
     const BASIS: u128 = 0x6c62_272e_07bb_0142_62b8_2175_6295_c58d;
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;

@@ -1,4 +1,4 @@
-//! The file: a zip archive of the description, the library and the scene. The same scene, library and imprint give the same bytes.
+//! Package of a unit: a zip archive of description, library and scene. Equal scene, library and imprint give equal bytes.
 
 use std::f64::consts::PI;
 use std::io::{Cursor, Read as _, Write as _};
@@ -15,7 +15,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 use crate::instance::{Instance, Refusal};
 use crate::model::{Model, SCENE_FILE, Variable, What};
 
-/// Channels of every unit besides the channels that the scene asks for.
+/// Channels of every unit besides those of the scene.
 const CHANNELS: [&str; 6] = [
     "efficiency",
     "input_power_w",
@@ -25,16 +25,16 @@ const CHANNELS: [&str; 6] = [
     "transmission_error_arcmin",
 ];
 
-/// Bytes of a description within which its head ends, notes of the scene included.
+/// Number of bytes that contain the head of a description, including notes of the scene.
 const HEAD: u64 = 1 << 16;
 
-/// Why there is no unit.
+/// Reason for a missing unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub enum PackageError {
-    /// The scene, or what else was given.
+    /// Faulty scene or other input.
     Given(String),
-    /// The library, the first step, or the archive.
+    /// Fault of the library, the first step, or the archive.
     Unit(String),
 }
 
@@ -48,14 +48,14 @@ pub struct Imprint {
 }
 
 impl Imprint {
-    /// Origin of the present time, or of that which `SOURCE_DATE_EPOCH` names [reproducible-builds.org]; those who make
-    /// Pinwheel stand for an author who is not named.
+    /// Returns the imprint for the present time, or for that of `SOURCE_DATE_EPOCH` [reproducible-builds.org]; the default
+    /// author is Pinwheel's authors.
     ///
     /// # Errors
     /// A `SOURCE_DATE_EPOCH` that is no time.
     #[expect(clippy::disallowed_methods, reason = "a day, no duration")]
     pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
-        // The end of the year 9999: later dates have no form.
+        // End of the year 9999; later dates have another form.
         const LAST_S: u64 = 253_402_300_799;
         let made = match std::env::var("SOURCE_DATE_EPOCH") {
             Err(_) => SystemTime::now(),
@@ -76,9 +76,9 @@ impl Imprint {
     }
 }
 
-/// A unit of FMI, as `UnitDefinitions` has it.
+/// Unit of FMI, as in `UnitDefinitions`.
 pub struct Unit {
-    /// Ending of the variable names that have this unit.
+    /// Ending of the names of variables with this unit.
     ending: &'static str,
     /// Name of the unit in descriptions.
     pub name: &'static str,
@@ -106,7 +106,7 @@ const fn shown(unit: Unit, name: &'static str, factor: f64) -> Unit {
     }
 }
 
-/// Longer endings first.
+/// Units by ending, longer endings first.
 const UNITS: [Unit; 18] = [
     unit("stiffness_n_m", "N/m", [1, 0, -2, 0]),
     unit("spring_n_m", "N/m", [1, 0, -2, 0]),
@@ -136,7 +136,7 @@ impl Unit {
     pub fn of(name: &str) -> Option<&'static Self> {
         let name = name.split_once('[').map_or(name, |(array, _)| array);
         let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        // The number of a pin or disc, but not the 2 of m2.
+        // Strips the number of a pin or disc, but not the 2 of m2.
         let bare = numbered.strip_suffix('_').unwrap_or(name);
         UNITS.iter().find(|unit| bare.ends_with(unit.ending))
     }
@@ -164,7 +164,7 @@ impl Unit {
     }
 }
 
-/// A variable as the description has it.
+/// Variable with its entry in the description.
 struct Row<'a> {
     reference: usize,
     of: &'a Variable,
@@ -254,7 +254,7 @@ pub struct Package {
 }
 
 impl Package {
-    /// Returns true for the bytes of a unit that this program made, of whatever version.
+    /// True for the bytes of a unit made by any version of this program.
     #[must_use]
     pub fn is_ours(bytes: &[u8]) -> bool {
         let head = || -> ZipResult<String> {
@@ -267,10 +267,10 @@ impl Package {
         head().is_ok_and(|head| head.contains("generationTool=\"Pinwheel "))
     }
 
-    /// Makes the unit and tries its first step.
+    /// Builds the unit and tries its first step.
     ///
     /// # Errors
-    /// A scene that makes no unit, or a library that cannot be read.
+    /// A scene that gives no unit, or a library that cannot be read.
     pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {
@@ -309,13 +309,13 @@ impl Package {
         })
     }
 
-    /// Identifier of the unit.
+    /// Returns the identifier of the unit.
     #[must_use]
     pub fn guid(&self) -> &str {
         self.model.guid()
     }
 
-    /// The method and tolerance it begins with, in words.
+    /// Returns the initial method and tolerance in words.
     #[must_use]
     pub fn method(&self) -> &str {
         &self.method
@@ -327,16 +327,16 @@ impl Package {
         self.model.variables().len()
     }
 
-    /// FMI's name of the platform that the library is for.
+    /// Returns FMI's name of the library's platform.
     #[must_use]
     pub fn platform(&self) -> &'static str {
         platform().unwrap_or_default()
     }
 
-    /// The archive.
+    /// Returns the archive.
     ///
     /// # Errors
-    /// Returns an error that should not happen: an archive that cannot be written to memory.
+    /// Internal fault: an archive that cannot be written to memory.
     pub fn bytes(&self) -> Result<Vec<u8>, PackageError> {
         self.archive()
             .map_err(|what| PackageError::Unit(format!("the unit cannot be written: {what}")))
@@ -421,7 +421,7 @@ impl Package {
     }
 }
 
-/// FMI's name of the platform of this build.
+/// Returns FMI's name of the platform of this build.
 fn platform() -> Option<&'static str> {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("linux", "x86_64") => Some("linux64"),
@@ -431,7 +431,7 @@ fn platform() -> Option<&'static str> {
     }
 }
 
-/// A name as an identifier of C.
+/// Converts a name to an identifier of C.
 pub fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let text: String = name.chars().map(plain).take(64).collect();

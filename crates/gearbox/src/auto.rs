@@ -1,7 +1,7 @@
 //! Choice of method, step and tolerance for `integrator = "auto"` from a scene's forces, with the reason.
 //!
-//! A plan is a first estimate from [`Frequencies`]. The module [`resolve`](crate::resolve) verifies it on the run itself and
-//! refines it. Where it fails, the next plan of the [`chain`] is tried.
+//! A plan is a first estimate from [`Frequencies`], which the module [`resolve`](crate::resolve) verifies on the run and
+//! refines. If it fails, the next plan of the [`chain`] is tried.
 
 use pinwheel_mbs::integrators::{Family, method};
 
@@ -14,16 +14,17 @@ use crate::{Gearbox, GearboxError};
 pub use pinwheel_scene::names::AUTO;
 
 /// Target of the numerical uncertainty of `auto`: relative L2 of all pin forces over the run, and of the driver's torque. It is
-/// a tenth of the accuracy to which the least certain inputs of the model (stiffness, friction) are known.
+/// a tenth of the accuracy of the least certain inputs of the model (stiffness, friction).
 pub const TARGET: f64 = 1e-3;
 
 /// Tolerance of Dormand-Prince, relative to the target. Its error is about 15 times the tolerance on gears whose contacts stay
 /// closed, and up to hundreds of times where discs bounce.
 const SMOOTH: f64 = 5e-4;
-/// Longest step of the exponential method, in steps that resolve every contact: it evaluates once a step, at its end.
+/// Longest step of the exponential method, in steps that resolve every contact: it evaluates the forces once a step, at its
+/// end.
 const EXPONENTIAL_STEP: f64 = 1.25;
-/// Tolerance with friction, where steps follow its rate and more digits cost little: `paper-friction` takes 3 % more
-/// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
+/// Tolerance with friction, where the friction's rate limits steps and more digits cost little: `paper-friction` takes 3 % more
+/// evaluations at 1e-7 than at 1e-5, for a torque 500 times as accurate.
 const RUBBING: f64 = 1e-4;
 /// Tolerance of the adaptive IMEX method, relative to the target: its error is 0.1 to 30 times the tolerance.
 const IMPLICIT: f64 = 0.05;
@@ -32,17 +33,17 @@ const ROSENBROCK: f64 = 0.02;
 /// Largest tolerance at which RODAS5P resolves the friction's ramp: looser ones need more evaluations for less accuracy.
 /// Plastic with 0.3 mm of play takes nine times the evaluations at 1e-4, and then fails.
 const LOOSEST_ROSENBROCK: f64 = 1e-5;
-/// Ratio of the tolerances of the run that verifies one by RODAS5P and of that run.
+/// Ratio of the tolerance of the run that verifies a RODAS5P run to that of the RODAS5P run.
 pub(crate) const COARSER_ROSENBROCK: f64 = 4.0;
 /// Relaxations of friction per radian of the contacts' oscillation up to which the explicit method is cheaper. Explicit steps
 /// take about ten evaluations per relaxation. Implicit ones take some 80 per radian at a target of [`TARGET`] on the paper's
-/// gear, growing with its inverse root.
+/// gear, in proportion to the target's inverse root.
 const RELAXATIONS_A_RADIAN: f64 = 8.0;
 /// Step of fixed-step methods at [`TARGET`], in radians of the contacts' oscillation.
 const RADIANS: f64 = 0.1;
 /// Steps of the energy account and first steps, in radians of the contacts' oscillation: 1.1e-5 s for the paper's gear.
 const FIRST_RADIANS: f64 = 0.125;
-/// Bounds of useful tolerances.
+/// Range of useful tolerances.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
 /// Name of the method for gears without friction.
@@ -64,7 +65,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Returns true if the tolerance sets the plan's steps.
+    /// True if the plan's steps follow from a tolerance.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.integrator).is_some_and(|method| method.adaptive)
@@ -102,7 +103,7 @@ impl Plan {
         let mut plan = self.clone();
         if plan.adaptive() {
             plan.tolerance = (plan.tolerance / factor).clamp(TOLERANCES.0, TOLERANCES.1);
-            // Without this, runs in which the longest step limits all steps would be identical.
+            // Runs in which the longest step limits all steps would otherwise be identical.
             let power = method(plan.integrator).map_or(0.0, |method| method.step_power);
             plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(power);
         } else {
@@ -114,7 +115,7 @@ impl Plan {
     /// Returns the gearbox with the plan's settings.
     ///
     /// # Errors
-    /// A step that no scene may have.
+    /// Setting that no scene may have.
     pub fn applied(&self, gearbox: &Gearbox) -> Result<Gearbox, GearboxError> {
         let applied = gearbox.with_solver(|solver| {
             self.integrator.clone_into(&mut solver.integrator);
@@ -124,11 +125,11 @@ impl Plan {
         Ok(applied?)
     }
 
-    /// Returns the gearbox with the plan's settings for a run that only serves to judge another. Where steps end at samples,
-    /// the run has half as many samples.
+    /// Returns the gearbox with the plan's settings for a run that only verifies another. If steps end at samples, it has half
+    /// as many samples.
     ///
     /// # Errors
-    /// As [`applied`](Self::applied).
+    /// Errors of [`applied`](Self::applied).
     pub fn applied_sparsely(&self, gearbox: &Gearbox) -> Result<Gearbox, GearboxError> {
         let applied = self.applied(gearbox)?;
         if self.integrator != EXPONENTIAL {
@@ -152,7 +153,7 @@ impl Plan {
     }
 }
 
-/// Returns the name of the integrator that a scene is solved with, and the reason.
+/// Returns the name of the integrator for a scene, with the reason.
 #[must_use]
 pub fn integrator(scene: &Scene) -> (String, String) {
     let named = &scene.solver.integrator;
@@ -163,8 +164,8 @@ pub fn integrator(scene: &Scene) -> (String, String) {
     (plan.integrator.to_owned(), plan.reason)
 }
 
-/// Returns the plan of a run of a scene with an uncertainty of `target`; the scene's own step and tolerance are for named
-/// methods.
+/// Returns the plan of a run of a scene with an uncertainty of `target`; the scene's own step and tolerance apply to named
+/// methods only.
 #[must_use]
 pub fn plan(scene: &Scene, target: f64) -> Plan {
     Planner::new(scene, target).first()
@@ -215,18 +216,18 @@ impl<'a> Planner<'a> {
         self.scene.slides()
     }
 
-    /// Returns true if contact forces are smooth; jumps from point to point would only shorten adaptive steps.
+    /// True if contact forces are smooth; jumps from point to point would only shorten adaptive steps.
     fn smooth(&self) -> bool {
         self.scene.contact.detection == Detection::Exact
     }
 
-    /// Returns true if friction may be implicit; friction that falls with speed is no convex problem.
+    /// True if friction may be implicit; friction that falls with speed gives no convex problem.
     fn may_be_implicit(&self) -> bool {
         self.has_friction() && self.scene.contact.friction_law == FrictionLaw::Regularised
     }
 
     fn first(&self) -> Plan {
-        // The reduced form has a Jacobian in closed form, without which a Rosenbrock step costs ten times as much.
+        // Only the reduced form has a Jacobian in closed form; without it a Rosenbrock step costs ten times as much.
         let is_reduced = self.scene.solver.formulation == Formulation::Reduced;
         let Frequencies {
             contact_rad_s: contact,
@@ -282,7 +283,7 @@ impl<'a> Planner<'a> {
     }
 
     /// Returns the plan of the exponential method. On 60 random gears and ten presets at tolerances of 1e-4 to 1e-9 it took 0.2
-    /// to 0.8 of the evaluations of Dormand-Prince for equal errors, whatever the length of the run.
+    /// to 0.8 of the evaluations of Dormand-Prince for equal errors, for runs of any length.
     fn exponential(&self) -> Plan {
         let (solver, contact) = (&self.scene.solver, self.frequencies.contact_rad_s);
         let samples = solver.duration_s / solver.sample_s;
@@ -296,11 +297,11 @@ impl<'a> Planner<'a> {
             samples + 6.0 * radians,
         );
         let plan = Plan {
-            // Bearings stay closed, and the method is exact for them.
+            // Bearings are always engaged, and the method is exact for them.
             step_s: FIRST_RADIANS / self.frequencies.touch_rad_s,
             ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
         };
-        // Its steps end at every sample, so a longer bound would have no effect.
+        // The method's steps end at every sample, so a longer bound would have no effect.
         let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
         let longest = EXPONENTIAL_STEP * plan.longest_step_s;
         Plan {
@@ -321,8 +322,8 @@ impl<'a> Planner<'a> {
 
     fn rosenbrock(&self, reason: &str) -> Plan {
         let plan = self.plan("rodas5p", ROSENBROCK, reason);
-        // With looser tolerances it jumps back and forth over the friction's ramp, and so does the coarser run that verifies
-        // it.
+        // With looser tolerances the method jumps back and forth over the friction's ramp, and so does the coarser run that
+        // verifies it.
         Plan {
             tolerance: plan.tolerance.min(LOOSEST_ROSENBROCK / COARSER_ROSENBROCK),
             ..plan
@@ -334,7 +335,7 @@ impl<'a> Planner<'a> {
     }
 
     fn fixed(&self, integrator: &'static str, reason: &str) -> Plan {
-        // Order two is assumed, to which forces with kinks reduce any method.
+        // Order two is assumed, the order of any method under forces with kinks.
         let radians = RADIANS * (self.target / TARGET).sqrt();
         Plan {
             step_s: radians / self.frequencies.contact_rad_s,

@@ -1,13 +1,13 @@
-//! Balance check that distinguishes runs with spurious energy from runs whose contact law adds a little.
+//! Energy check that separates runs with spurious energy from runs whose contact law adds a little.
 //!
 //! ```text
 //! |sum of remainders| <= MOST (E + sum of |work of the driver| + |work of the load|, sample by sample)
 //! ```
-//! E is the kinetic energy at the start plus the load times the elastic twist under it. A gear at rest has no works, and
-//! without E rounding would count.
+//! E is the kinetic energy at the start plus the load times the elastic twist under it. Without E rounding would exceed the
+//! limit for a gear at rest, whose works are zero.
 //!
-//! An explicit method that does not follow friction makes spins jump back and forth. Forces may look right while the account
-//! loses a hundred times the work done. Angles stay in their mesh, so that only the energy shows the fault.
+//! An explicit method that does not resolve friction makes pin spins jump back and forth. Forces may look right while the
+//! account loses a hundred times the work done. Angles stay near the ideal mesh, so only the energy reveals the fault.
 
 use pinwheel_mbs::BodyState;
 
@@ -16,7 +16,7 @@ use crate::energy::EnergyAudit;
 use crate::load_profile;
 
 /// Largest remainder, relative to the turnover. Over all presets with `rk2`, `rk4` and `imex2` at 1e-5 s, correct runs stay
-/// below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the account's entries hardly resolve; 0.03 later). Faulty runs reach 36
+/// below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the account's entries barely resolve; 0.03 later). Faulty runs reach 36
 /// and more.
 const MOST: f64 = 2.0;
 
@@ -30,7 +30,7 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// Creates the balance with E as its turnover.
+    /// Creates the balance with E as the turnover.
     pub(crate) fn new(gearbox: &Gearbox) -> Self {
         let mechanism = gearbox.mechanism();
         let starts: Vec<BodyState> = mechanism.bodies.iter().map(|body| body.start).collect();
@@ -60,7 +60,7 @@ impl Balance {
     }
 }
 
-/// Returns the approximate energy in the contacts under the load, J.
+/// Returns the approximate elastic energy of the contacts under the load, J.
 pub fn elastic_j(gearbox: &Gearbox) -> f64 {
     let scales = gearbox.error_scales();
     // Without load the scales follow from the least force.

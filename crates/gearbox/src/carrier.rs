@@ -1,6 +1,6 @@
-//! Carrier of the discs of a gear: rigid eccentrics, elastic bearings on the eccentrics, or the cranks of an RV gear.
+//! Support of the discs of a gear: rigid eccentrics, elastic bearings on the eccentrics, or the cranks of an RV gear.
 //!
-//! A gearbox chooses its carrier once from its scene; all that depends on the carrier calls its methods.
+//! A gearbox selects its carrier once from its scene; all code that depends on the carrier calls its methods.
 
 use pinwheel_mbs::{BodyState, ContactEnergy, Derivatives, Evaluation, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
@@ -34,7 +34,7 @@ impl Carrier {
         }
     }
 
-    /// Returns true if discs float on elastic bearings.
+    /// True if discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         !matches!(self, Self::Rigid)
@@ -111,7 +111,7 @@ impl Carrier {
         less
     }
 
-    /// Adds the loads, moments, derivatives and energy that are requested.
+    /// Adds the requested loads, moments, derivatives and energy.
     pub(crate) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         if let Some(derivatives) = &mut request.derivatives {
             self.add_jacobian(bodies, derivatives);
@@ -158,8 +158,8 @@ impl Carrier {
         }
     }
 
-    /// Returns the load of the bearing that carries a disc. On cranks it is the load of all bearings in the disc, and the
-    /// offset is their mean. `None`: a revolute carries the disc.
+    /// Returns the load of a disc's bearing. On cranks it is the total load of the disc's bearings, with their mean offset.
+    /// `None` if a revolute carries the disc.
     #[must_use]
     pub fn load(&self, bodies: &[BodyState], wheel: usize) -> Option<BearingLoad> {
         match self {

@@ -17,15 +17,15 @@ use crate::{Layout, Sleeve};
 /// Minutes of arc per radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
-/// Callback with a disc and the pin that touches it.
+/// Callback with a disc and a pin that touches it.
 pub type Visit<'a> = &'a mut dyn FnMut(usize, Sleeve);
 
-/// Source of contact data that an engine knows at a sample.
+/// Source of contact data of an engine at a sample.
 pub trait PairSource {
-    /// Returns a pair at its closest points, touching or not; `None` if the engine does not know it.
+    /// Returns a pair at its closest points, touching or not; `None` if not available.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
-    /// Visits every pair that touches, which costs less than evaluating all pairs; `false` if the engine has no list of them.
+    /// Visits every touching pair, which costs less than evaluating all pairs; `false` if the engine has no list of them.
     fn touching(&mut self, _: &[BodyState], _visit: &mut dyn FnMut(&PairContact)) -> bool {
         false
     }
@@ -33,7 +33,7 @@ pub trait PairSource {
     /// Visits every pair that carries a normal force above `least_n`, N.
     fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>);
 
-    /// Returns the powers that the contacts lose; `None` if the engine does not know them.
+    /// Returns the power losses of the contacts; `None` if not available.
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
 }
 
@@ -65,14 +65,14 @@ impl PairSource for LawPairs<'_> {
     }
 }
 
-/// State that an engine knows at a sample.
+/// State of an engine at a sample.
 pub struct Seen<'a> {
     /// States of all bodies.
     pub bodies: &'a [BodyState],
     /// Torque on the input shaft, N m.
     pub driver_torque_n_m: f64,
-    /// Force of every revolute on the body it carries, N, ground frame, in the order of
-    /// [`Gearbox::mechanism`]; `None` if the engine does not know them.
+    /// Force of every revolute on the body it carries, N, ground frame, in the order of [`Gearbox::mechanism`]; `None` if not
+    /// available.
     pub reactions: Option<&'a [[f64; 2]]>,
     /// Source of the contacts' data.
     pub contacts: &'a mut dyn PairSource,
@@ -82,9 +82,9 @@ pub struct Seen<'a> {
 #[derive(Debug, Clone)]
 pub(crate) struct Values {
     list: Vec<Chosen>,
-    /// Values of each channel; `None` as soon as the engine did not know one.
+    /// Values of each channel; `None` once a value was not available.
     columns: Vec<Option<Vec<f64>>>,
-    /// Requested pairs, each once, and the index of each channel's pair.
+    /// Requested pairs without repetition, and the index of each channel's pair.
     pairs: Vec<(usize, Sleeve)>,
     places: Vec<usize>,
     /// Index of each pair of the gear among the requested ones, by its [`number`].
@@ -92,7 +92,7 @@ pub(crate) struct Values {
     found: Vec<Option<PairContact>>,
     /// True if a channel needs data of pairs without contact.
     needs_gaps: bool,
-    /// Numbers of pins that press on each disc: external, internal.
+    /// Numbers of external and internal pins that press on each disc.
     contacts: Vec<[usize; 2]>,
     needs_contacts: bool,
     needs_losses: bool,
@@ -202,7 +202,7 @@ impl Values {
                             let load = self.carrier.load(bodies, chosen.number);
                             load.map(|load| load.on_wheel)
                         }
-                        // Discs that float have no revolute.
+                        // Floating discs have no revolute.
                         _ if self.carrier.floats() && body > Layout::OUTPUT => seen
                             .reactions
                             .and_then(|all| all.get(body - self.layout.wheels).copied()),
@@ -252,7 +252,7 @@ impl Values {
         }
     }
 
-    /// Evaluates the requested pairs. Where only forces are requested, pairs that do not touch have forces of 0.
+    /// Evaluates the requested pairs. If only forces are requested, pairs that do not touch have zero force.
     fn find(&mut self, seen: &mut Seen<'_>) -> Option<f64> {
         self.found.fill(None);
         let (found, pairs, layout) = (&mut self.found, &self.pairs, self.layout);

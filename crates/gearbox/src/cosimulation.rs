@@ -1,16 +1,15 @@
-//! Native solver for co-simulation: the importer chooses the times and prescribes speeds or torques of the shafts.
+//! Native solver for co-simulation: the importer selects the times and prescribes speeds or torques of the shafts.
 //!
 //! ```text
 //! input shaft:   speed omega(t) prescribed, or torque M(t) applied to the shaft's own inertia
 //! output shaft:  torque T(t) applied, or speed prescribed
 //! u(t) = value + slope (t - from),  from one communication point to the next
 //! ```
-//! A prescribed value acts from a communication point on, where it may jump; there the method starts anew. While the signals do
+//! A prescribed value applies from a communication point on, where it may jump; the method then restarts. While the signals do
 //! not change, the method continues with its own steps and history, so that its error is that of a run.
 //!
-//! The usual drive (speed in, torque out) takes the same forces as a run. Where the input is free or the output's speed is
-//! prescribed, moments are summed over all bodies and derivatives are differences. This needs more evaluations and gives the
-//! same motion.
+//! The usual drive (speed in, torque out) uses the forces of a run. If the input is free or the output's speed is prescribed,
+//! moments are summed over all bodies and derivatives are differences. This takes more evaluations for the same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper, method};
 use pinwheel_mbs::{BodyState, Detail, Driver, Formulation, Motion, OdeSystem as _, Reduced};
@@ -39,7 +38,7 @@ pub enum Prescribed {
 }
 
 impl Prescribed {
-    /// Returns `by_speed` where the speed is prescribed, `by_torque` where a torque is.
+    /// Returns `by_speed` for a prescribed speed, `by_torque` for a prescribed torque.
     fn choose<T>(self, by_speed: T, by_torque: T) -> T {
         match self {
             Self::BySpeed => by_speed,
@@ -55,13 +54,13 @@ pub struct Setup {
     pub input: Prescribed,
     /// Prescribed value of the output shaft.
     pub output: Prescribed,
-    /// Speeds of the shafts at t = 0, rad/s; that of the output counts where it is prescribed.
+    /// Speeds of the shafts at t = 0, rad/s; that of the output applies if prescribed.
     pub speeds_rad_s: [f64; 2],
-    /// Torque on the output besides the scene's load at t = 0, N m.
+    /// Torque on the output at t = 0 in addition to the scene's load, N m.
     pub torque_n_m: f64,
-    /// True if the scene's load, with its ramp and changes, acts on the output too.
+    /// True if the scene's load, with its ramp and changes, also acts on the output.
     pub scene_load: bool,
-    /// Relative error per step, in place of the scene's or that of [`auto`].
+    /// Relative error per step, instead of the scene's or that of [`auto`].
     pub tolerance: Option<f64>,
 }
 
@@ -220,7 +219,7 @@ impl CoSimulation {
         self.gearbox.scene.solver.step_s
     }
 
-    /// Returns true if the error of a step sets the method's steps.
+    /// True if a tolerance determines the method's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.method().0).is_some_and(|method| method.adaptive)
@@ -232,8 +231,8 @@ impl CoSimulation {
         self.stepper.counts()
     }
 
-    /// Prescribes values of input and output (rad/s or N m, as the setup says) from the present time on, with their rates of
-    /// change per second.
+    /// Prescribes values of input and output (rad/s or N m, by the setup) from the present time on, with their rates of change
+    /// per second.
     pub fn prescribe(&mut self, prescribed: [(f64, f64); 2]) {
         let t = self.time;
         let goes_on = |now: &LinearSignal, (value, slope): (f64, f64)| {
@@ -294,8 +293,8 @@ impl CoSimulation {
     /// Advances to time `to`, s; `cancelled` is called at every step.
     ///
     /// # Errors
-    /// A message with the time and cause: no step can follow, a quantity diverged, or the run was cancelled. Afterwards only an
-    /// earlier state can be continued.
+    /// A message with time and cause: no further step is possible, a quantity diverged, or the run was cancelled. Afterwards
+    /// only an earlier state can be continued.
     pub fn advance(&mut self, to: f64, cancelled: &dyn Fn() -> bool) -> Result<(), String> {
         self.stepper.set_stop_time(to);
         let mut steps = 0_u32;
@@ -324,7 +323,7 @@ impl CoSimulation {
             .map_err(|quantity| format!("diverged at t = {t:.6} s: {quantity}"))
     }
 
-    /// Writes the values of a run's columns ([`Recorder::contract`], then the scene's channels) at the time reached to `row`.
+    /// Writes the values of a run's columns ([`Recorder::contract`], then the scene's channels) at the present time to `row`.
     pub fn observe(&mut self, row: &mut Vec<f64>) -> Shafts {
         let t = self.time;
         let load = self.system.forces_mut().load_n_m(t);
@@ -335,7 +334,7 @@ impl CoSimulation {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => self.prescribed[0].at(t),
         };
-        // Torque on the output besides the prescribed one and the scene's load.
+        // Torque on the output in addition to the prescribed one and the scene's load.
         let output = match self.setup.output {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => 0.0,
@@ -363,7 +362,7 @@ impl CoSimulation {
         shafts
     }
 
-    /// Returns all data that the next steps depend on, to the bit; for the same program, scene and setup.
+    /// Returns all data on which the next steps depend, to the bit; valid for the same program, scene and setup.
     #[must_use]
     pub fn save(&mut self) -> Vec<u8> {
         let state = State {
@@ -377,7 +376,7 @@ impl CoSimulation {
         postcard::to_allocvec(&state).unwrap_or_default()
     }
 
-    /// Restores a saved state. False: the bytes are no state of this gear, and nothing has changed.
+    /// Restores a saved state. Returns false, without a change, if the bytes are no state of this gear.
     pub fn restore(&mut self, bytes: &[u8]) -> bool {
         let Ok(state) = postcard::from_bytes::<State>(bytes) else {
             return false;
@@ -406,7 +405,7 @@ pub fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, Gearbox
     let drive = &gearbox.scene.drive;
     let before = gearbox.load_torque(0.0);
     let load = match (setup.output, setup.scene_load) {
-        // The prescribed speed of the output carries the scene's load at first.
+        // A prescribed output speed starts under the scene's load.
         (Prescribed::BySpeed, _) => before,
         (Prescribed::ByTorque, true) => before + setup.torque_n_m,
         (Prescribed::ByTorque, false) => setup.torque_n_m,

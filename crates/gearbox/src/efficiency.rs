@@ -1,4 +1,4 @@
-//! Efficiency with and without the energy that the contact law itself creates.
+//! Efficiency with and without the energy that the contact law creates.
 
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::figure::definitions::FRICTION;
@@ -10,27 +10,27 @@ use crate::energy::EnergyAudit;
 /// Efficiency of a window of a run.
 ///
 /// The paper's law creates energy ([`crate::energy`]). The ratio of output to input work can therefore exceed 1, and with light
-/// friction the law hides half of the loss. The account has the losses of contacts separately, which give the actual efficiency
-/// of the gear: `1 - lost/supplied`, with `supplied = delivered + lost`. Both exclude storage over the window.
+/// friction the law hides half of the loss. The account lists the losses separately, which give the actual efficiency of the
+/// gear: `1 - lost/supplied`, with `supplied = delivered + lost`. Both exclude storage over the window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Efficiency {
-    /// Ratio of the work delivered to the work taken in, from the time series: it contains the energy that the law creates, the
-    /// run's own error, and storage at the ends of the window.
+    /// Ratio of delivered to supplied work, from the time series: it includes the energy that the law creates, the run's own
+    /// error, and storage at the ends of the window.
     pub measured: f64,
-    /// Ratio of the work delivered to the work delivered and lost, without created energy, errors and storage. Never above 1
-    /// where contacts only lose.
+    /// Ratio of the work delivered to the work delivered and lost, without created energy, errors and storage; never above 1
+    /// for dissipative contacts.
     pub of_losses: f64,
-    /// Remainder of the account, relative to the work taken in: energy that the law (and the run) created, negative if
+    /// Remainder of the account, relative to the supplied work: energy that the law (and the run) created, negative if
     /// destroyed. It is the error of `measured`, except for storage.
     pub created_share: f64,
     /// Losses in contacts, relative to the work delivered and lost.
     pub lost_share: f64,
-    /// Possible error of `created_share` due to the variation between the account's entries.
+    /// Uncertainty of `created_share` from the variation between the account's entries.
     pub created_off: f64,
-    /// Possible error of `lost_share` and of `of_losses` due to the variation between the account's entries.
+    /// Uncertainty of `lost_share` and of `of_losses` from the variation between the account's entries.
     pub lost_off: f64,
-    /// Losses of contacts, bearings, sleeves on their pins and seals by friction, relative to the work delivered and lost;
-    /// `None` for parts without friction.
+    /// Friction losses of contacts, bearings, sleeves on their pins and seals, relative to the work delivered and lost; `None`
+    /// for parts without friction.
     #[serde(skip)]
     by_cause: [Option<f64>; 4],
     /// True if any part has friction, so that the loss exceeds that of the contacts' damping.
@@ -38,8 +38,7 @@ pub struct Efficiency {
 }
 
 impl Efficiency {
-    /// Computes the efficiency of an account; `None` where no work passes from one shaft to the other, or more is stored than
-    /// passes.
+    /// Computes the efficiency of an account; `None` if no work passes between the shafts, or more is stored than passes.
     #[must_use]
     pub fn of(audit: &EnergyAudit) -> Option<Self> {
         // Either shaft may drive.
@@ -73,7 +72,7 @@ impl Efficiency {
     /// Returns the efficiency from the losses, at most 1.
     ///
     /// # Errors
-    /// A message why there is none: the law creates or destroys power, or there is no loss because there is no friction.
+    /// Reason for a missing efficiency: the law creates or destroys power, or nothing has friction.
     pub fn defined(&self) -> Result<f64, String> {
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         if self.created_share.abs() > CREATED {
@@ -94,13 +93,13 @@ impl Efficiency {
         Ok(self.of_losses.min(1.0))
     }
 
-    /// Returns the shares lost by friction, each with its definition, of the parts that have friction.
+    /// Returns the shares lost by friction with their definitions, for the parts that have friction.
     pub fn by_cause(&self) -> impl Iterator<Item = (&'static FigureDef, f64)> {
         let shares = FRICTION.into_iter().zip(self.by_cause);
         shares.filter_map(|(def, share)| Some((def, share?)))
     }
 
-    /// Returns a lower and an upper value, to be shown where one figure would mislead.
+    /// Returns a lower and an upper value, for display where one figure would mislead.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
         [

@@ -5,14 +5,13 @@
 //! ```
 //! Stored energy is the integral of the force at rest over the penetration, at the local stiffness. For a law with a potential
 //! the remainder is the error of the run. For the paper's law, whose stiffness varies along the profile while the force is
-//! normal only, it is the energy that the law creates (about 0.95 %).
+//! normal only, it is the energy created by the law (about 0.95 %).
 //!
-//! Works are integrals of powers over equally spaced states of the run by the rule that is exact for cubics (each interval from
+//! Works are integrals of powers over equally spaced states of the run by a rule that is exact for cubics (each interval from
 //! the cubic through its neighbours). They converge with order 4, and the states with the integrator's order. States are at
-//! most `STEPS` steps apart, whatever the sampling. Where the load jumps, its power jumps: there are two states at that time,
-//! one with each load, and no interval's cubic crosses it. Entries between samples are added to the works at once, so that the
-//! stored data grow with the samples, not with the steps. States within a method's steps at which all forces are known are
-//! entries too.
+//! most `STEPS` steps apart, for any sampling. Where the load jumps, its power jumps: there are two states at that time, one
+//! with each load, and no interval's cubic crosses it. Entries between samples are added to the works at once, so that the
+//! stored data grow with the samples, not with the steps. States within a method's steps with known forces are entries, too.
 //!
 //! The uncertainty by the variation between entries is stated with the works (`scatter`).
 
@@ -30,10 +29,10 @@ use crate::scene::Scene;
 /// (1.2 kHz), and costs a few per cent of the run.
 const STEPS: f64 = 10.0;
 
-/// Relative excess over this number of steps that counts as rounding.
+/// Relative excess over this number of steps that is rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Relative difference up to which intervals count as equal: sample times are products and sums of decimal numbers.
+/// Relative difference below which intervals are equal: sample times are products and sums of decimal numbers.
 const EQUAL: f64 = 1e-9;
 
 /// Least distance of an intermediate entry from one neighbour, relative to the distance to the other. A nearer one adds no
@@ -46,12 +45,12 @@ type Flows = [f64; 7];
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    /// True for those of contacts, bearings, pins and seals that have friction.
+    /// True for friction of contacts, bearings, pins and seals, if present.
     rubbing: [bool; 4],
     /// Works up to the start of the present segment, J.
     before_segment: Flows,
     segment: Segment,
-    /// Intermediate entry, kept until the next entry shows whether their distance suffices.
+    /// Intermediate entry, kept until the next entry decides whether their distance suffices.
     passed: Option<(f64, Flows)>,
     scatter: Scatter,
     marks: Vec<Mark>,
@@ -65,7 +64,7 @@ struct Mark {
     works: Flows,
     /// Kinetic and stored energy, J.
     energies: [f64; 2],
-    /// Squares of the possible errors of the works since the start, J^2.
+    /// Squares of the uncertainties of the works since the start, J^2.
     off: Two,
 }
 
@@ -81,7 +80,7 @@ impl EnergyAccount {
         }
     }
 
-    /// Returns true if the account needs no entry between two samples.
+    /// True if the account needs no entry between two samples.
     #[inline]
     pub(crate) fn is_short(from: f64, to: f64, step: f64) -> bool {
         to - from <= (1.0 + ROUNDING) * STEPS * step
@@ -106,7 +105,7 @@ impl EnergyAccount {
         self.enter(seen.time, powers(load, seen, contacts));
     }
 
-    /// Adds an intermediate entry, where there is no other close to it.
+    /// Adds an intermediate entry, unless another one is close to it.
     pub(crate) fn pass(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
         self.settle_passed(seen.time);
         self.passed = Some((seen.time, powers(load, seen, contacts)));
@@ -153,7 +152,7 @@ impl EnergyAccount {
         self.settle(time, powers);
     }
 
-    /// Adds an entry and finishes the works up to the last samples, whose last intervals it makes more accurate.
+    /// Adds an entry and completes the works up to the last samples, whose last intervals it makes more accurate.
     #[inline]
     fn settle(&mut self, time: f64, powers: Flows) {
         let [driver, load, lost @ ..] = powers;
@@ -264,9 +263,9 @@ struct Entry {
 /// Last entries of a segment, as many as one interval's cubic needs; earlier ones are included in their works.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Segment {
-    /// Number of entries kept, the oldest first.
+    /// Number of stored entries, the oldest first.
     len: usize,
-    /// True if the segment had more entries than are kept.
+    /// True if the segment had more entries than are stored.
     cut: bool,
     entries: [Entry; 4],
 }
@@ -288,7 +287,7 @@ impl Segment {
             self.entries[self.len] = new;
             self.len += 1;
         }
-        // The cubic of an inner interval reaches one entry farther on each side. The last interval but one is final now, and
+        // The cubic of an inner interval extends one entry farther on each side. The last interval but one is now final, and
         // with the fourth entry of a segment all before it.
         let first = if self.cut { 2 } else { 1 };
         let even = is_even(&self.entries[..self.len]);
@@ -322,7 +321,7 @@ fn add(a: Flows, b: Flows) -> Flows {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// Returns true for four entries of equal intervals, which is the usual case.
+/// True for four entries of equal intervals, the usual case.
 #[inline]
 fn is_even(entries: &[Entry]) -> bool {
     let [a, b, c, d] = entries else {

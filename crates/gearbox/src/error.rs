@@ -17,18 +17,18 @@ pub enum GearboxError {
          neighbouring points is smaller than the pin; use more points"
     )]
     TooFewPoints {
-        /// The scene's value.
+        /// Value in the scene.
         wheel_points: usize,
     },
     /// The mechanism cannot be solved.
     #[error(transparent)]
     Mechanism(#[from] pinwheel_mbs::MechanismError),
-    /// No angle of the output balances the load.
+    /// No output angle balances the load.
     #[error(
         "the load of {load_n_m} N m is more than the teeth carry before they jump; use less load or a stiffer contact"
     )]
     NoEquilibrium {
-        /// The load, N m.
+        /// Load torque, N m.
         load_n_m: f64,
     },
     /// Friction under which parts stay where they are.
@@ -42,7 +42,7 @@ pub enum GearboxError {
         "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
     )]
     SpeedChanges,
-    /// Ring as output, where only native runs know it.
+    /// Ring as output, which only native runs support.
     #[error(
         "drive.output = \"ring\" is known to native runs alone; the gear by its carrier, with speed and load times zs/zk, has equal forces, \
          lost motion times zk/zs and stiffness times (zs/zk)^2"

@@ -1,7 +1,7 @@
 //! Events between two samples of a native run: entries of the energy account, breaks of the load, the sample.
 //!
 //! A break at the time of a sample comes first, so that the sample has the load that begins there. At a break between samples
-//! the account needs an entry on both sides, and the cubics of its segments need four each.
+//! the account needs an entry on both sides, and four entries in each segment for its cubics.
 
 use crate::energy::EnergyAccount;
 
@@ -15,7 +15,7 @@ const BESIDE_A_BREAK: u64 = 3;
 pub enum Event {
     /// Time of an entry of the energy account, s.
     Entry(f64),
-    /// End of a segment, s: an entry with the load that ends. The second time is the break of the scene.
+    /// End of a segment, s: an entry with the ending load. The second time is the break of the scene.
     Break(f64, f64),
     /// Time of the sample, s.
     Sample(f64),
@@ -34,7 +34,7 @@ impl Event {
         let same = SAME * step;
         list.clear();
         let beside = |b: &f64| from - same <= *b && *b <= to + same;
-        // Nearly every sample of a run is the only event here.
+        // For nearly every sample of a run it is the only event.
         if !EnergyAccount::is_short(from, to, step) || breaks.iter().any(beside) {
             Self::list_before(list, from, to, breaks, step);
         }
@@ -52,7 +52,7 @@ impl Event {
             } else {
                 1
             };
-            // No entry lies between a break at the sample's time and the sample.
+            // No entry is between a break at the sample's time and the sample.
             let least = if end - start > same { least } else { 0 };
             list.extend(EnergyAccount::between(start, end, step, least).map(Self::Entry));
             (start, beside) = (end, true);

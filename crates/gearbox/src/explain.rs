@@ -1,4 +1,4 @@
-//! Explanation of a scene: its requirements, the parts that its model leaves out, and why.
+//! Explanation of a scene: modelled parts, omitted parts, and the reasons.
 
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
@@ -28,7 +28,7 @@ impl Statements {
     }
 }
 
-/// The model of a scene in words and counts.
+/// Model of a scene in words and counts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explanation {
     /// Bodies of the gearbox.
@@ -84,8 +84,8 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     };
     modelled.add(
         stage,
-        "cranks turn by (1 + rho) output - rho input, rho = sun/planet, and by what the mesh gives way, a spring without mass; \
-         their inertia acts as (1 + rho)^2 of it on the output",
+        "cranks turn by (1 + rho) output - rho input, rho = sun/planet, and by the deflection of the mesh, a spring without \
+         mass; their inertia acts as (1 + rho)^2 of it on the output",
     );
     match cranks.support_stiffness_n_m {
         Some(stiffness) => modelled.add(
@@ -99,16 +99,16 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     }
     left_out.add(
         "play and losses of the first stage's mesh, and the cranks' bending",
-        "so is the radial part of the mesh's forces; without cranks.mesh_stiffness_n_m the mesh is rigid, which changes the \
-         gear's stiffness by less than a per cent",
+        "the radial part of the mesh's forces is left out, too; without cranks.mesh_stiffness_n_m the mesh is rigid, which \
+         changes the gear's stiffness by less than a per cent",
     );
     left_out.add(
         "the cranks' reaction on the driver",
-        "what their turning speeds up and down with the output; its mean is 0",
+        "from the cranks' acceleration with the output; its mean is 0",
     );
 }
 
-/// Describes what pins and sleeves do under friction.
+/// Describes the behaviour of pins and sleeves under friction.
 fn pins(scene: &Scene, modelled: &mut Statements) {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];
@@ -117,7 +117,7 @@ fn pins(scene: &Scene, modelled: &mut Statements) {
         if !turns {
             modelled.add(
                 format!("{pins} pins that do not turn: {holder} holds them"),
-                "discs slide on them; their rates are no unknowns",
+                "discs slide on them; their rates are not unknowns",
             );
         }
     }
@@ -207,7 +207,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
                 ),
                 false => format!("{} disc angles, the output angle{spins}", layout.wheels),
             },
-            "all that forces can change",
+            "all coordinates that forces can change",
         );
         left_out.add(
             format!("{} translations and their joint multipliers", 2 * bodies),
@@ -296,7 +296,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             "at once".to_owned()
         };
         let reached = if time < solver.duration_s {
-            "no step passes over the change: integration starts anew there".to_owned()
+            "no step passes over the change: integration restarts there".to_owned()
         } else {
             format!("never reached: the run ends at {} s", solver.duration_s)
         };

@@ -1,4 +1,4 @@
-//! Contact forces and the load as the mechanism's applied forces, with the friction included or listed separately.
+//! Contact forces and the load as applied forces of the mechanism, with friction included or listed separately.
 
 use pinwheel_mbs::sliding::Contact;
 use pinwheel_mbs::{BodyState, Evaluation, Forces, Variable, Wrench, add_pair};
@@ -14,7 +14,7 @@ use crate::{Gearbox, GearboxError};
 /// Applied forces of a gearbox.
 pub struct GearForces {
     layout: Layout,
-    /// Coefficients of friction of ring and of output pins on which discs slide, and its ramp, m/s.
+    /// Coefficients of friction of ring and of output pins on which discs slide, and the ramp, m/s.
     sliding: [f64; 2],
     ramp_m_s: f64,
     drive: Drive,
@@ -24,11 +24,11 @@ pub struct GearForces {
     /// Additional prescribed torques on input and output, N m.
     pub held: [LinearSignal; 2],
     /// True if the input's speed and the output's torque are prescribed; only then moments follow from angles, and derivatives
-    /// are known.
+    /// are available.
     pub speed_in_torque_out: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
-    /// States and loads as seen from the ring, where that is the output.
+    /// States and loads relative to the ring, if it is the output.
     from_ring: Option<(Vec<BodyState>, Vec<Wrench>)>,
 }
 
@@ -79,7 +79,7 @@ impl Forces for GearForces {
         self.evaluate(time, bodies, &mut Evaluation::of_loads(loads));
     }
 
-    // Moments alone lack those of the input, where that is free.
+    // Moments alone lack those of a free input.
     fn work_from_angles(&self) -> bool {
         self.from_ring.is_none() && self.speed_in_torque_out && self.field.work_from_angles()
     }

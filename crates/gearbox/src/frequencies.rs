@@ -1,4 +1,4 @@
-//! Frequencies and rates of a gear, which time steps have to resolve. The modes are those of the scene's
+//! Frequencies and rates of a gear, which limit time steps. The modes are those of the scene's
 //! [`Scales`](pinwheel_scene::Scales).
 
 use std::f64::consts::TAU;
@@ -12,7 +12,7 @@ use crate::scene::{BodyMass, Scene};
 /// Frequencies and rates of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frequencies {
-    /// Fastest oscillation of discs and output on their contacts, and on bearings where discs float, rad/s.
+    /// Fastest oscillation of discs and output on their contacts, and on bearings of floating discs, rad/s.
     pub contact_rad_s: f64,
     /// Fastest oscillation of discs and output on their contacts alone, rad/s. Contacts open and close at this rate.
     pub touch_rad_s: f64,
@@ -29,7 +29,7 @@ impl Frequencies {
         let gear = &scene.gear;
         let scales = Scales::of(scene);
         let [_, rigid] = scales.modes_rad_s;
-        // Modes of a floating disc on the loaded quarter of its contacts, and on its bearing as well.
+        // Modes of a floating disc on the loaded quarter of its contacts, and on its bearing, too.
         let floating = BearingLaw::of(scene).map_or([0.0; 2], |bearing| {
             let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
             let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
@@ -48,8 +48,8 @@ impl Frequencies {
         }
     }
 
-    /// Returns the depth of the most loaded ring pin under the scene's own law, relative to that by Hertz' stiffness, with
-    /// which adaptive methods weigh errors ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
+    /// Returns the depth of the most loaded ring pin under the scene's own law, relative to that by Hertz' stiffness, the scale
+    /// of errors of adaptive methods ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
     #[must_use]
     pub fn depth_share(scene: &Scene) -> f64 {
         let gear = &scene.gear;
@@ -63,8 +63,8 @@ impl Frequencies {
         Spring::of(scene, stiffness).depth(force, least) / plain
     }
 
-    /// Returns the longest step that cannot pass over a contact, s: a third of a touch at the contacts' frequency, and an
-    /// eighth of the time from pin to pin.
+    /// Returns the longest step that cannot miss a contact, s: a third of a touch at the contacts' frequency, and an eighth of
+    /// the time from pin to pin.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         let mesh = TAU / 8.0 / self.mesh_rad_s.max(f64::MIN_POSITIVE);
@@ -72,22 +72,22 @@ impl Frequencies {
     }
 }
 
-/// Longest step that follows a relaxation explicitly, in relaxation times under the static force. It is half of the stability
+/// Longest explicit step that resolves a relaxation, in relaxation times under the static force. It is half of the stability
 /// limit of methods of order two on the real axis (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, ch.
-/// IV.2), as the force may be up to twice as large. At 2.8, one of a hundred gears had an error of 14 % in the driver's torque
-/// with a stated uncertainty of 0.03 %.
+/// IV.2), because the force may double. At 2.8, one of a hundred gears had an error of 14 % in the driver's torque with a
+/// stated uncertainty of 0.03 %.
 const FOLLOWED: f64 = 1.0;
 
-/// Returns the factor by which explicit steps must be shorter to follow the friction of a scene; `None` if they do. Longer ones
-/// chatter from side to side of its ramp: two runs may do so alike, and then agree on a wrong force.
+/// Returns the factor by which explicit steps must be shorter to resolve the friction of a scene; `None` if they do. Longer
+/// steps chatter across its ramp: two such runs may agree on a wrong force.
 #[must_use]
 pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
     let shorter = step_s * friction_rate(scene) / FOLLOWED;
     (shorter > 1.0).then_some(shorter)
 }
 
-/// Returns the rate mu F q^2/(v_s J), 1/s, at which friction relaxes a pin's spin, or, with the pins' circle for q, a disc's on pins
-/// that are held. It is that of the faster kind of pin under the largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
+/// Returns the rate mu F q^2/(v_s J), 1/s, at which friction relaxes a pin's spin, or, with q the pins' circle radius, a disc's
+/// on fixed pins. It is that of the faster kind of pin under the largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
 #[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);

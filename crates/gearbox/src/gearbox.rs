@@ -1,4 +1,4 @@
-//! A compiled scene: geometry, bodies, joints and contacts.
+//! Compiled scene: geometry, bodies, joints and contacts.
 
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 use pinwheel_timeseries::TimeSeries;
@@ -20,13 +20,13 @@ use pinwheel_scene::scales::{hertz, least_depth};
 /// Scene compiled to bodies, joints and contacts. Body order: [`Layout`].
 #[derive(Debug, Clone)]
 pub struct Gearbox {
-    /// The scene.
+    /// Checked scene.
     pub scene: CheckedScene,
     /// Body indices.
     pub layout: Layout,
     /// Derived geometry.
     pub geometry: Geometry,
-    /// Parts that carry the discs.
+    /// Support of the discs.
     pub carrier: Carrier,
     /// Channels recorded besides the contract's columns.
     pub channels: Channels,
@@ -34,8 +34,8 @@ pub struct Gearbox {
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
     pub(crate) start: Option<Vec<BodyState>>,
-    /// K of a ring pin on a straight edge, N/m^1.5. It is stored because finding the wall behind the holes takes longer than a
-    /// balance.
+    /// K of a ring pin on a straight edge, N/m^1.5. It is stored because computing the wall thickness behind the holes takes
+    /// longer than an equilibrium.
     flat_stiffness: f64,
 }
 
@@ -43,15 +43,15 @@ impl Gearbox {
     /// Compiles a checked scene.
     ///
     /// # Errors
-    /// Parameters that only fail once the model is built (see [`GearboxError`]).
+    /// Parameters whose fault shows only when the model is built (see [`GearboxError`]).
     pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
         Self::after(None, scene)
     }
 
-    /// Compiles a checked scene like [`new`](Self::new), with less work where `earlier` is a similar gearbox.
+    /// Compiles a checked scene like [`new`](Self::new), at less cost if `earlier` is a similar gearbox.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Errors of [`new`](Self::new).
     pub fn after(earlier: Option<&Self>, scene: &CheckedScene) -> Result<Self, GearboxError> {
         pinwheel_faults::compiled();
         let earlier = earlier.map(|gearbox| &gearbox.geometry);
@@ -75,8 +75,8 @@ impl Gearbox {
         Ok(gearbox)
     }
 
-    /// Returns the gearbox with other settings of the solver. Results of the gear, its masses, loads and contacts are not
-    /// computed again; the most expensive is the equilibrium from which it starts.
+    /// Returns the gearbox with other settings of the solver. Results of the gear, its masses, loads and contacts are reused,
+    /// above all the equilibrium at the start.
     ///
     /// # Errors
     /// Settings that the checks refuse.
@@ -87,10 +87,10 @@ impl Gearbox {
         })
     }
 
-    /// Returns the gearbox that records these channels, by names or patterns; nothing else is computed again.
+    /// Returns the gearbox that records these channels, by names or patterns; all other results are reused.
     ///
     /// # Errors
-    /// A channel does not exist, or there are more channels than the checks allow.
+    /// A channel does not exist, or there are more channels than permitted.
     pub fn with_channels(&self, patterns: Vec<String>) -> Result<Self, GearboxError> {
         let scene = self
             .scene
@@ -111,7 +111,7 @@ impl Gearbox {
         self.field_of(&self.scene)
     }
 
-    /// Refuses gears whose contacts only a native run sees from their ring.
+    /// Refuses gears with the ring as output, whose contacts only a native run evaluates.
     fn ring_is_held(&self) -> Result<(), GearboxError> {
         match self.scene.drive.output {
             OutputPart::Carrier => Ok(()),
@@ -119,7 +119,7 @@ impl Gearbox {
         }
     }
 
-    /// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals.
+    /// Returns all forces of a scene between its bodies: contacts, bearings of floating discs, friction of pins, and seals.
     pub(crate) fn field_of(&self, scene: &Scene) -> Result<ContactField, GearboxError> {
         Ok(ContactField {
             carrier: self.carrier.clone(),
@@ -136,10 +136,10 @@ impl Gearbox {
         scene
     }
 
-    /// Creates the contacts alone, without friction and without the bearings.
+    /// Creates the contacts only, without friction and bearings.
     ///
     /// # Errors
-    /// As [`contact_field`](Self::contact_field).
+    /// Errors of [`contact_field`](Self::contact_field).
     pub fn bare_field(&self) -> Result<ContactField, GearboxError> {
         self.ring_is_held()?;
         contacts::contacts(&self.frictionless().at_work(), &self.geometry, self.kernel)
@@ -148,19 +148,19 @@ impl Gearbox {
     /// Creates a contact field for this scene with a friction coefficient of 0.
     ///
     /// # Errors
-    /// As [`contact_field`](Self::contact_field).
+    /// Errors of [`contact_field`](Self::contact_field).
     pub fn frictionless_field(&self) -> Result<ContactField, GearboxError> {
         self.field_of(&self.frictionless())
     }
 
-    /// Returns true if discs slide on pins with friction: on held ones, or on sleeves that it turns.
+    /// True if discs slide on pins with friction: on fixed pins, or on sleeves that they turn.
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.scene.slides()
     }
 
-    /// Returns the bodies of the pins whose spins are unknowns: those that turn freely under friction. Without friction nothing turns
-    /// a pin; cranks turn with their planets, which are folded.
+    /// Returns the bodies of the pins whose spins are unknowns: those that turn freely under friction. Without friction nothing
+    /// turns a pin; cranks turn with their planets, which are not separate bodies.
     #[must_use]
     pub fn spinning(&self) -> Vec<usize> {
         let (gear, layout) = (&self.scene.gear, &self.layout);
@@ -178,7 +178,7 @@ impl Gearbox {
         self.scene.flange_twist_rad(torque_n_m)
     }
 
-    /// Returns true if discs float on elastic bearings.
+    /// True if discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         self.carrier.floats()
@@ -191,8 +191,8 @@ impl Gearbox {
         load_profile::piece_at(&self.scene.drive, t).torque(t)
     }
 
-    /// Returns the errors that adaptive methods weigh as 1: the elastic twist of a disc under its largest static load,
-    /// vibrating at the frequency that this stiffness gives.
+    /// Returns the scales of errors for adaptive methods: the elastic twist of a disc under its largest static load, and the
+    /// angular frequency of its vibration at that stiffness.
     ///
     /// The largest static pin force is about 4 T/(e zs zk) a disc (linear springs, no clearance). Its penetration is
     /// (F/K)^(2/3), and the twist is the penetration over the lever e zs.
@@ -247,7 +247,7 @@ impl Gearbox {
         }
     }
 
-    /// Returns the torque that accelerates the input shaft, with the discs that revolutes hold on it, at time `t` (s), N m.
+    /// Returns the torque that accelerates the input shaft, with the discs that revolutes carry on it, at time `t` (s), N m.
     #[must_use]
     pub fn accelerating_torque_n_m(&self, t: f64) -> f64 {
         let shaft = self.scene.input_shaft().moment_kg_m2;
@@ -261,7 +261,7 @@ impl Gearbox {
         (shaft + discs) * speed_profile::motion_at(&self.scene.drive, t).acceleration
     }
 
-    /// Returns the states at t = 0 that `drive.start` asks for.
+    /// Returns the states at t = 0 by `drive.start`.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
         self.start
@@ -302,8 +302,8 @@ impl Gearbox {
         states
     }
 
-    /// Returns the bodies, revolutes and drivers of the gearbox: 28 bodies and 29 joints for the paper's. Discs that float have no
-    /// revolute; drivers without motion hold pins that do not turn.
+    /// Returns the bodies, revolutes and drivers of the gearbox: 28 bodies and 29 joints for the paper's. Floating discs have
+    /// no revolute; drivers without motion fix pins that do not turn.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);

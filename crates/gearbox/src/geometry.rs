@@ -1,10 +1,10 @@
 //! Geometry of the gear: positions of its parts at the ideal mesh.
 //!
 //! Disc i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n`. The angle a of the eccentrics is the input's, except in RV
-//! gears ([`Geometry::eccentric_angle`]). The disc meshes exactly at the angle `(pi - f)/zs`. Ring pin j sits at `(R + d) e^{2
-//! pi i j/zk}`, output pin k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi. Hole k of every disc surrounds output
-//! pin k at t = 0, with its centre at `R_w` from the disc's. Errors of the parts displace them from these positions; a disc's
-//! edge is that of its modified profile.
+//! gears ([`Geometry::eccentric_angle`]). The disc meshes exactly at the angle `(pi - f)/zs`. Ring pin j is at `(R + d) e^{2 pi
+//! i j/zk}`, output pin k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi. Hole k of every disc surrounds output pin
+//! k at t = 0, with its centre at `R_w` from the disc's. Errors of the parts displace them from these positions; a disc's edge
+//! is that of its modified profile.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,11 +19,11 @@ use crate::scene::{Gear, OutputPart, Scene};
 /// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// C, the path of the generating pin's centre; without modification, pin centres lie on it.
+    /// Path C of the generating pin's centre; without modification, pin centres are on it.
     pub curve: Epitrochoid,
     /// Distance q' of a disc's edge inside C, m.
     pub edge_offset_m: f64,
-    /// Factor e^{i delta} of a rotational modification: the disc is the intersection of two discs turned by +-delta.
+    /// Factor e^{i delta} of a rotational modification: the disc is the intersection of two discs rotated by +-delta.
     pub flanks: Option<Complex>,
     /// Nominal directions e^{2 pi i j/zk} of the ring pins, without their errors.
     pub external_directions: Vec<Complex>,
@@ -60,13 +60,13 @@ impl Geometry {
     /// Computes the geometry of a checked scene.
     ///
     /// # Errors
-    /// Parameters for which there is no curve.
+    /// Parameters without a curve.
     pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
         Self::after(None, scene)
     }
 
-    /// Computes the geometry of a checked scene, and reuses the curve of an `earlier` one where it is equal. Most of the work
-    /// is in the curve's reaches.
+    /// Computes the geometry of a checked scene, and reuses the curve of an equal `earlier` one. Most of the cost is in the
+    /// curve's reaches.
     pub(crate) fn after(earlier: Option<&Self>, scene: &Scene) -> Result<Self, GearboxError> {
         let gear = &scene.gear;
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
@@ -87,7 +87,7 @@ impl Geometry {
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;
-        // Holes are cut around the pins at their places for eccentrics without errors.
+        // Holes are centred on the pins' positions for eccentrics without errors.
         let start = |i: usize| (PI - TAU * i as f64 / wheels as f64) / lobes;
         let mut wheel_phases: Vec<f64> = (0..wheels).map(|i| gear.phase_of_rad(i)).collect();
         if let (true, Some(last)) = (armed(Fault::WheelPhase), wheel_phases.last_mut()) {
@@ -130,7 +130,7 @@ impl Geometry {
             wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
-            // Seen from the ring, input and eccentrics are one.
+            // In the ring's frame input and eccentrics are one.
             eccentric_per_input: match scene.drive.output {
                 OutputPart::Carrier => scene.eccentric_per_input(),
                 OutputPart::Ring => 1.0,
@@ -149,8 +149,8 @@ impl Geometry {
         }
     }
 
-    /// Returns true if all pins are alike, all holes are alike, and no pin is larger than the tool radius that cut the profile.
-    /// The lanes assume this.
+    /// True if all pins are equal, all holes are equal, and no pin is larger than the tool radius of the profile, as the lanes
+    /// assume.
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);

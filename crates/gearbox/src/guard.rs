@@ -1,6 +1,6 @@
 //! Guard that detects runs that diverged although every number is finite.
 //!
-//! A diverging penalty model often stays finite: discs jump teeth, and the time series look regular. In a working gearbox every
+//! A diverged penalty model often stays finite: discs jump teeth, and the time series look regular. In a working gearbox every
 //! disc follows its ideal mesh within its free play and some elastic twist, far below a pitch.
 
 use pinwheel_mbs::BodyState;

@@ -1,6 +1,6 @@
-//! Handles for C programs: numbers in the form of addresses. No number is used twice.
+//! Handles for C programs: unique numbers in the form of addresses.
 //!
-//! A closed or invented handle refers to no value instead of freed memory, and closing it again does nothing.
+//! A closed or invented handle refers to no value, never to freed memory; closing it again has no effect.
 //!
 //! ```
 //! use pinwheel_gearbox::handles::Handles;
@@ -15,7 +15,7 @@
 use std::ptr;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// All values ever opened, by number - 1; closed ones leave an empty place.
+/// All values ever opened, by number - 1; closed ones leave an empty entry.
 pub struct Handles<T>(RwLock<Vec<Option<Arc<T>>>>);
 
 impl<T> Handles<T> {
@@ -32,13 +32,13 @@ impl<T> Handles<T> {
         ptr::without_provenance_mut(all.len())
     }
 
-    /// Returns the value of a handle, if it is open.
+    /// Returns the value of a handle; `None` if it is not open.
     pub fn find<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
         all.get(handle.addr().checked_sub(1)?)?.clone()
     }
 
-    /// Closes a handle and returns its value, if it was open. Threads that work with the value keep it until they are done.
+    /// Closes a handle and returns its value, if it was open. Threads that use the value keep it until they are done.
     pub fn close<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
         all.get_mut(handle.addr().checked_sub(1)?)?.take()

@@ -5,7 +5,7 @@
 //!                           ├─> contacts    every disc against every pin: points, law, friction
 //!                           ├─> statics     the loaded gear at rest, also as a start
 //!                           └─> native::run ─> time series, energy account
-//!                               resolve::run_resolved: the same, verified and refined until it is as accurate as asked
+//!                               resolve::run_resolved: the same, refined until its verified error is within a target
 //! ```
 //!
 //! ```

@@ -49,16 +49,16 @@ impl NativeRun {
     }
 }
 
-/// Errors for which there is no run.
+/// Reasons for a missing run.
 #[derive(Debug, thiserror::Error)]
 pub enum NativeError {
     /// The scene cannot be modelled.
     #[error(transparent)]
     Model(#[from] GearboxError),
-    /// The observer asked to stop.
+    /// The observer requested a stop.
     #[error("stopped")]
     Stopped,
-    /// The run ended early, where only a complete one is of use ([`NativeRun::whole`]).
+    /// The run ended early, but a complete one is required ([`NativeRun::whole`]).
     #[error(transparent)]
     Ended(#[from] Ending),
     /// Recording failed.
@@ -66,7 +66,7 @@ pub enum NativeError {
     TimeSeries(#[from] TimeSeriesError),
 }
 
-/// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
+/// Baumgarte's rate in units of 1/step: fast enough to be effective, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
 /// Least time between two evaluations that are used for extremes, in steps of the scene, or of 0.125 rad of the fastest
@@ -85,8 +85,8 @@ pub fn run(
     run_sampling(gearbox, false, watch)
 }
 
-/// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Methods with
-/// a fixed step still compute both, because only the energy balance shows a method that cannot follow.
+/// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Fixed-step methods
+/// still compute both, because only the energy balance detects an unresolved step.
 ///
 /// # Errors
 /// See [`NativeError`].
@@ -148,7 +148,7 @@ pub(crate) fn run_within(
     }
 }
 
-/// Empty forces of a system that only serves to compute how its contacts move with the free rates.
+/// Empty forces of a system that only determines the dependence of its contacts on the free rates.
 struct NoForces;
 
 impl Forces for NoForces {
@@ -175,7 +175,7 @@ pub fn reduced<F: Forces>(
         .with_scales(gearbox.error_scales()))
 }
 
-/// Starts the scene's method from `y` at `t`, s. Where the method chooses its steps, none is longer than `longest_s`.
+/// Starts the scene's method from `y` at `t`, s. If the method chooses its steps, none is longer than `longest_s`.
 pub(crate) fn segments(
     gearbox: &Gearbox,
     t: f64,
@@ -205,7 +205,7 @@ fn integrate<F: Formulation>(
     let breaks = load_profile::breaks(&gearbox.scene.drive);
     let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
     let mut load = load_profile::piece_at(&gearbox.scene.drive, 0.0);
-    // Most methods do not compute the energy, and most scenes request no channels; then the energy is not needed.
+    // Most methods do not compute the energy, and most scenes request no channels; the field is then not needed.
     let mut field = None;
     let times = solver.sample_times_s();
     let whole = !limits.samples_alone;
@@ -315,7 +315,7 @@ fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
     move |quantity| NativeError::Ended(Ending::Diverged { time_s, quantity })
 }
 
-/// Returns a contact field separate from that of the equations; it is built when first needed.
+/// Returns a contact field separate from that of the equations, built when first needed.
 fn built<'a>(
     gearbox: &Gearbox,
     field: &'a mut Option<ContactField>,
@@ -326,7 +326,7 @@ fn built<'a>(
     })
 }
 
-/// Returns the contacts' energy from the observation; from a new evaluation if the observation lacks it.
+/// Returns the contacts' energy from the observation, or from a new evaluation if it lacks the energy.
 fn contact_energy(
     observed: &Observation<'_>,
     gearbox: &Gearbox,

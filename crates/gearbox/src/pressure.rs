@@ -14,7 +14,7 @@ use crate::{Geometry, Sleeve};
 /// Pressures of a scene's contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePressure {
-    /// E*/(pi L), Pa/m.
+    /// Factor E*/(pi L), Pa/m.
     per_line: f64,
     /// True if contacts lie on the exact curve.
     is_exact: bool,
@@ -37,7 +37,7 @@ impl LinePressure {
         }
     }
 
-    /// Returns p0 of a contact, Pa; its disc has its centre (m, ground frame) there and is turned by `angle` (rad).
+    /// Returns p0 of a contact, Pa; `centre` (m, ground frame) and `angle` (rad) are the disc's.
     #[must_use]
     pub fn of(
         &self,
@@ -66,7 +66,7 @@ impl LinePressure {
     }
 }
 
-/// Returns the curvature of C at its point C below the contact, 1/m; n is the curve's normal there, outwards.
+/// Returns the curvature of C at its point C below the contact, 1/m; n is the outward normal there.
 ///
 /// ```text
 /// C = R u + e w,  g n = u + m w,  |u| = |w| = 1,  m = e zk/R    =>    zs u = zk C/R - g n
@@ -104,7 +104,7 @@ pub fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], a
     };
     match geometry.flanks {
         None => foot(Complex::ONE).1,
-        // n points inwards from the pin, the curve's normal outwards.
+        // n points from the pin inwards, the curve's normal outwards.
         Some(turn) => {
             let [one, other] = [foot(turn), foot(turn.conj())];
             if one.0 < other.0 { one.1 } else { other.1 }

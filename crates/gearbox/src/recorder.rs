@@ -1,4 +1,4 @@
-//! Recorder that turns states at sample times into the contract's time series. Every engine records through it.
+//! Recorder of states at sample times as the contract's time series, used by every engine.
 
 use pinwheel_mbs::{BodyState, Observation, Wrench};
 use pinwheel_timeseries::sampling::{self, Between, Point, QUANTITIES};
@@ -9,14 +9,14 @@ use crate::Layout;
 use crate::channels::{Seen, Values};
 use crate::contacts::ContactField;
 
-/// One sample's values, in column order after the time.
+/// Recording of a run: columns in the contract's order.
 #[derive(Debug, Clone)]
 pub struct Recorder {
     layout: Layout,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// Samples, one after the other, that are not yet in the columns: with so many columns, writing several samples at a time
-    /// is quicker.
+    /// Samples, one after the other, that are not yet in the columns: with this many columns, writing several samples at a time
+    /// is faster.
     rows: Vec<f64>,
     /// Number of samples in `rows`.
     pending: usize,
@@ -24,7 +24,7 @@ pub struct Recorder {
     loads: Vec<Wrench>,
     /// Channels that the scene requests besides the contract's columns.
     channels: Option<Values>,
-    /// Record between samples, where a solver provides one, and a row of its columns at one time.
+    /// Record between samples, if the solver provides one, and a row of its columns at one time.
     between: Option<Between>,
     row: Vec<f64>,
 }
@@ -56,7 +56,7 @@ impl Recorder {
             pending: 0,
             layout,
             time: Vec::with_capacity(samples),
-            // A clone of an empty column would have no capacity.
+            // The clone of an empty column would have no capacity.
             columns: (0..columns::HEAD.len() + sleeves)
                 .map(|_| Vec::with_capacity(samples))
                 .collect(),
@@ -96,7 +96,7 @@ impl Recorder {
     }
 
     /// Records a sample from a formulation's observation, in which contacts are the only load of a pin. `shafts`: torque of the
-    /// driver, and the load on the output, N m.
+    /// driver and load on the output, N m.
     pub fn record_observed(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
         let (head, sleeves) = self.head(seen, shafts);
         self.record_known(seen.time, head, sleeves);
@@ -131,8 +131,8 @@ impl Recorder {
         ([driver_torque, torque, seen.bodies[output].angle], sleeves)
     }
 
-    /// Records a sample whose pin forces (ground frame, N, external then internal) are known. Other torques on the output,
-    /// without its load, are given in N m.
+    /// Records a sample from known pin forces (ground frame, N, external then internal). Other torques on the output, without
+    /// its load, are in N m.
     pub fn record_forces(
         &mut self,
         t: f64,
@@ -195,14 +195,14 @@ impl Recorder {
         self.pending = 0;
     }
 
-    /// Returns true if the scene asks for channels: [`record_channels`](Self::record_channels) is then due after every sample.
-    /// Columns that cannot be filled are missing in the time series.
+    /// True if the scene requests channels: [`record_channels`](Self::record_channels) must then follow every sample. Columns
+    /// without values are missing in the time series.
     #[must_use]
     pub fn wants_channels(&self) -> bool {
         self.channels.is_some()
     }
 
-    /// Adds the channels of the sample that was recorded last.
+    /// Adds the channels of the last sample.
     pub fn record_channels(&mut self, seen: &mut Seen<'_>) {
         let last = self.pending.checked_sub(1);
         let output_torque = last.map_or(0.0, |row| self.rows[row * self.columns.len() + 1]);
@@ -211,7 +211,7 @@ impl Recorder {
         }
     }
 
-    /// Removes the last sample and writes its values to `row` in the order of the columns, NaN where unknown.
+    /// Removes the last sample and writes its values to `row` in the order of the columns, NaN if unknown.
     pub fn take_last(&mut self, row: &mut Vec<f64>) {
         self.flush();
         row.clear();
@@ -258,7 +258,7 @@ impl Recorder {
 fn fill(row: &mut [f64], head: [f64; columns::HEAD.len()], forces: &[Wrench]) {
     let (heads, magnitudes) = row.split_at_mut(head.len());
     heads.copy_from_slice(&head);
-    // `hypot` would be exact even where squares overflow, but costs 2 % of a fast run.
+    // `hypot` would be exact where squares overflow, but costs 2 % of a fast run.
     for (magnitude, Wrench { fx, fy, .. }) in magnitudes.iter_mut().zip(forces) {
         *magnitude = (fx * fx + fy * fy).sqrt();
     }

@@ -1,15 +1,15 @@
-//! Self-verifying runs: estimates the numerical uncertainty of a run, and refines the run until that is small enough.
+//! Self-verifying runs: the numerical uncertainty of a run is estimated, and the run refined until it is small enough.
 //!
-//! The error of the finest of two or three runs is [`pinwheel_timeseries::convergence::estimate`], and never below a third of the distance to the
-//! previous run, because impacts make errors fall unevenly. A run is resolved when its uncertainty **and** that distance are
-//! within the target. The distance may be four times the target where the two previous runs were within a hundredth of each
-//! other, so that errors fall regularly. No estimate detects two runs with equal errors, as when both pass over an impact.
-//! Therefore no step is longer than a contact ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)), and the
-//! finer run is clearly finer.
+//! The error of the finest of two or three runs is [`pinwheel_timeseries::convergence::estimate`], and never below a third of
+//! the distance to the previous run, because impacts make errors fall unevenly. A run is resolved when its uncertainty **and**
+//! that distance are within the target. The distance may be four times the target if the two previous runs were within a
+//! hundredth of each other, so that errors fall regularly. No estimate detects two runs with equal errors, as when both miss an
+//! impact. Therefore no step is longer than a contact ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)),
+//! and the refinement is substantial.
 //!
-//! Where steps end at samples, the coarsest run has only every other sample: otherwise both runs might take equal steps.
+//! If steps end at samples, the coarsest run has only every other sample: otherwise both runs might take equal steps.
 //!
-//! Costs are counted in evaluations of the forces, not in seconds, so that every machine takes the same levels.
+//! Costs are counted in evaluations of the forces, not in seconds, so that the levels do not depend on the machine.
 
 mod remedy;
 pub(crate) mod uncertainty;
@@ -36,23 +36,22 @@ use crate::{Distance, Gearbox, unfollowed};
 
 /// Least error, relative to the distance to the coarser run.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-/// Largest distance of two runs, in targets, where the two previous runs were within [`CALM`] of each other.
+/// Largest distance of two runs, in targets, if the two previous runs were within [`CALM`] of each other.
 const CONFIRMED: f64 = 4.0;
-/// Distance below which impacts of two runs occur in the same order.
+/// Distance below which impacts of two runs occur in equal order.
 const CALM: f64 = 1e-2;
 /// Largest number of levels of one method.
 const MOST_LEVELS: usize = 12;
 /// Number of successive failed levels after which the next method is tried.
 const MOST_FAILURES: usize = 3;
 
-/// Usual limit of the cost of a verified run, evaluations of the forces over all levels. It is half a minute for the paper's
-/// gear, which takes 8e4 evaluations over 0.6 s.
+/// Default limit of the cost of a verified run, evaluations of the forces over all levels: half a minute for the paper's gear,
+/// which takes 8e4 evaluations over 0.6 s.
 pub const BUDGET: u64 = 30_000_000;
 
 /// Runs the scene until its time series are within `target` (relative L2 of the forces and of the driver's torque), within the
-/// budget. It returns the finest run and the estimate of its error, or a diverged run if every native method diverges. The
-/// integrator, step and tolerance of the scene are not used. `watch` works as in [`native::run`]; its time starts anew with
-/// every level.
+/// budget. Returns the finest run with its estimated error, or a diverged run if every native method diverges. The scene's
+/// integrator, step and tolerance are not used. `watch` works as in [`native::run`]; its time restarts with every level.
 ///
 /// # Errors
 /// See [`NativeError`].
@@ -83,11 +82,11 @@ pub fn run_resolved(
 #[doc(hidden)]
 pub struct Best {
     pub run: Rc<NativeRun>,
-    /// Plan of the run, if it has no more than half of the samples.
+    /// Plan of the run, if it has at most half of the samples.
     pub sparse: Option<Plan>,
     /// Index of the run's level.
     pub level: usize,
-    /// Known error of the run.
+    /// Estimated error of the run.
     pub error: Option<Distance>,
     /// Coarser runs by the run's method.
     pub ladder: Option<Ladder>,
@@ -136,7 +135,7 @@ impl Search<'_> {
                 ));
                 return Ok(true);
             }
-            // The first run only serves to measure the distance of the next one.
+            // The first run only measures the distance of the next one.
             let sparse = runs.is_empty();
             match self.level(&plan, sparse, watch)? {
                 None => {
@@ -187,7 +186,8 @@ impl Search<'_> {
             }
             let finer = plan.finer(factor);
             if finer == plan {
-                // Distances that do not shrink at the level of rounding belong to the scene itself: no other method would help.
+                // Distances at the level of rounding that do not shrink are a property of the scene: no other method would
+                // help.
                 self.stopped = Some(format!(
                     "at {} {} still moves: the scene amplifies roundings",
                     plan.setting(),
@@ -243,7 +243,7 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Keeps the run if its known error is smaller than that of the best.
+    /// Keeps the run if its estimated error is smaller than that of the best.
     pub fn keep(&mut self, found: Best) {
         let worst = |error: Option<Distance>| error.map_or(f64::INFINITY, |e| e.worst());
         let best = self.best.as_ref();
@@ -295,7 +295,7 @@ impl Search<'_> {
     }
 }
 
-/// Returns true if a target is reached. `moved` is the distance to the coarser run, `before` that of the previous refinement.
+/// True if a target is reached. `moved` is the distance to the coarser run, `before` that of the previous refinement.
 #[doc(hidden)]
 pub fn holds(target: f64, error: Distance, moved: Distance, before: Option<Distance>) -> bool {
     let calm = before.is_some_and(|before| before.worst() <= CALM);
@@ -307,7 +307,7 @@ pub fn holds(target: f64, error: Distance, moved: Distance, before: Option<Dista
 #[must_use]
 pub fn roughness(scene: &Scene) -> Rough {
     let contact = &scene.contact;
-    // Damping of hysteresis laws differs: it grows with the penetration.
+    // Damping of hysteresis laws does not ramp: it grows with the penetration.
     let law = law_info(&contact.law);
     let viscous = law.is_none_or(|law| law.keys.contains(&"contact.damping_n_s_m"));
     let bearing = BearingLaw::of(scene).filter(|law| law.clearance_m > 0.0);
@@ -340,11 +340,11 @@ pub fn by_step(order: f64, scene: &Scene) -> Method {
     Method::Step { order, rough }
 }
 
-/// Returns the convergence in the tolerance on a scene; `explicit`: with the steps of an explicit Runge-Kutta method.
+/// Returns the convergence in the tolerance on a scene; `explicit`: for an explicit Runge-Kutta method.
 #[must_use]
 pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
     let contact = &scene.contact;
-    // Where friction sets the explicit steps, tolerances hardly change steps and error. On `paper-friction` between 1e-7 and
+    // If friction limits the explicit steps, tolerances hardly change steps and error. On `paper-friction` between 1e-7 and
     // 1e-9 the error was 5 times the distance in the driver's torque.
     let scatters = contact.detection == Detection::Points || explicit && scene.slides();
     let order = match explicit {
@@ -358,7 +358,7 @@ pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
 /// Refinement of a method, with its gain and cost.
 #[doc(hidden)]
 pub struct Refinement {
-    /// Kind of setting, with its order, by which runs at two settings show their errors.
+    /// Kind of setting with its order, by which two runs reveal their errors.
     pub method: Method,
     /// Refinement factor from the coarser to the finer of the first two runs.
     pub first: f64,
@@ -368,7 +368,7 @@ pub struct Refinement {
     pub cost: f64,
     /// Least and largest factor of a refinement.
     pub factors: (f64, f64),
-    /// Error that all runs share, relative to the tolerance.
+    /// Error common to all runs, relative to the tolerance.
     pub shared_error: f64,
 }
 
@@ -403,7 +403,7 @@ impl Refinement {
     }
 
     /// Returns a bound of the finer run's error; `before` is the previous refinement's distance and factor. Directions of the
-    /// changes are not compared, so that no order counts as confirmed.
+    /// changes are not compared, so no order counts as confirmed.
     pub fn error(&self, moved: Distance, factor: f64, before: Option<(Distance, f64)>) -> Distance {
         let apart: Vec<_> = [Some((moved, factor)), before]
             .into_iter()
@@ -419,8 +419,8 @@ impl Refinement {
         Distance::of_each(|of| bound(of).max(LEAST_SHARE * of(&moved))).torque_as_forces()
     }
 
-    /// Returns the coarser of `runs`, the finest of which is the plan's, as evidence of its error; `None` without any, or where
-    /// explicit steps do not follow the friction.
+    /// Returns the coarser of `runs`, the finest of which is the plan's, as evidence of its error; `None` without any, or if
+    /// explicit steps do not resolve the friction.
     fn ladder(&self, plan: &Plan, scene: &Scene, runs: &[(f64, Rc<NativeRun>)]) -> Option<Ladder> {
         let is_stepped = plan.family() == Some(Family::Explicit) && !plan.adaptive();
         if runs.len() < 2 || is_stepped && unfollowed(scene, plan.step_s).is_some() {
@@ -429,7 +429,7 @@ impl Refinement {
         let level = |(setting, run): &(f64, Rc<NativeRun>)| ladder::Level {
             setting: *setting,
             run: Ok(run.time_series.clone()),
-            // Contained in the wall time of the run.
+            // Included in the wall time of the run.
             wall_s: 0.0,
         };
         Some(Ladder {

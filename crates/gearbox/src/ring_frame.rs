@@ -1,11 +1,12 @@
-//! Gears whose ring is the output, while the carrier is held: contacts as seen from the ring.
+//! Gears with the ring as output and a fixed carrier: contacts in the frame of the ring.
 //!
 //! ```text
 //! from the ring:  x' = R(-P) x,  angle' = angle - P,  rate' = rate - P',     the carrier turns by -P
 //! ```
-//! P is the ring's angle. Contacts, bearings and damping depend on relative motion alone, so that the field of a gear with a fixed ring
-//! gives them in that frame, and their loads are turned back. Inertia stays with the mechanism, which is in the frame of the ground: the
-//! ring carries its pins, output pins stand in the ground, and the frame that accelerates has no part in it.
+//! P is the ring's angle. Contacts, bearings and damping depend only on relative motion. The field of a gear with a fixed ring
+//! therefore gives their loads in the ring's frame, and these are rotated back. Inertia stays with the mechanism in the ground
+//! frame: the ring carries its pins, output pins are fixed to the ground, and the acceleration of the ring's frame has no
+//! effect.
 
 use pinwheel_mbs::{BodyState, Wrench};
 
@@ -15,7 +16,7 @@ fn turned([x, y]: [f64; 2], [cos, sin]: [f64; 2]) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// Returns the state of a body in a frame that turns about the origin with the angle and rate of `frame`.
+/// Returns the state of a body in a frame that rotates about the origin with the angle and rate of `frame`.
 fn in_frame(body: &BodyState, frame: &BodyState) -> BodyState {
     let (sin, cos) = frame.angle.sin_cos();
     let velocity = [body.vx + frame.rate * body.y, body.vy - frame.rate * body.x];
@@ -27,7 +28,7 @@ fn in_frame(body: &BodyState, frame: &BodyState) -> BodyState {
     )
 }
 
-/// Writes the states of `bodies`, whose output is the ring, as seen from the ring, with the carrier as the output.
+/// Writes the states of `bodies`, whose output is the ring, relative to the ring, with the carrier as the output.
 pub(crate) fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
     let ring = bodies[Layout::OUTPUT];
     seen.clear();
@@ -35,15 +36,15 @@ pub(crate) fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
     seen[Layout::OUTPUT] = in_frame(&BodyState::default(), &ring);
 }
 
-/// Returns the states in the ground's frame of bodies seen from the ring, where the carrier's angle is 0.
+/// Returns the states in the ground frame of bodies given relative to the ring, with a carrier angle of 0.
 pub(crate) fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
     let mut bodies = Vec::new();
-    // Seen from the carrier, the ring turns back: the same turn of the frame.
+    // Relative to the carrier the ring rotates backwards, so the transformation is the same.
     from_ring(seen, &mut bodies);
     bodies
 }
 
-/// Adds loads on bodies as seen from the ring to `loads` in the ground's frame; those on the carrier go to the ground.
+/// Adds loads given in the ring's frame to `loads` in the ground frame; those on the carrier act on the ground.
 pub(crate) fn add_to_ground(seen: &[Wrench], ring: &BodyState, loads: &mut [Wrench]) {
     let (sin, cos) = ring.angle.sin_cos();
     for (number, (load, own)) in loads.iter_mut().zip(seen).enumerate() {

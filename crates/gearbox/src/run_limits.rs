@@ -1,4 +1,4 @@
-//! Limits of a run, and its early end when adaptive steps become too short to reach the end of the scene.
+//! Limits of a run, and its early end when adaptive steps become too short to complete the scene.
 
 use pinwheel_mbs::integrators::{Family, method};
 
@@ -8,8 +8,8 @@ use crate::scene::Scene;
 const LOOK: u64 = 1000;
 /// Number of accepted steps between two checks of the pace.
 pub const SPAN: u64 = 20_000;
-/// Largest number of remaining steps at the pace of the last [`SPAN`]: at ten microseconds a step, five minutes. The largest
-/// number measured in a useful run is 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
+/// Largest number of remaining steps at the pace of the last [`SPAN`]: five minutes at ten microseconds a step. The largest
+/// number of a useful run was 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
 const MOST_STEPS: f64 = 3e7;
 
 /// Limits of a run besides its scene.
@@ -19,7 +19,7 @@ pub(crate) struct Limits {
     pub(crate) longest_step_s: f64,
     /// Number of evaluations after which the run ends as diverged.
     pub(crate) evaluations: u64,
-    /// True if nothing is evaluated between samples: steps need not end there.
+    /// True if nothing is evaluated between samples, so that steps need not end there.
     pub(crate) samples_alone: bool,
 }
 
@@ -57,7 +57,7 @@ impl Pace {
         }
     }
 
-    /// Returns true if a check is due; to be called before each step.
+    /// True if a check is due; call before each step.
     #[inline]
     pub(crate) fn is_due(&mut self) -> bool {
         let due = self.steps.is_multiple_of(LOOK);
@@ -68,7 +68,7 @@ impl Pace {
     /// Checks a run that has reached `time` (s) in `steps` steps.
     ///
     /// # Errors
-    /// Returns the cost of reaching the end, and a remedy.
+    /// Cost of completing the run, with a remedy.
     pub fn look(&mut self, time: f64, steps: u64) -> Result<(), String> {
         if steps < self.next_look {
             return Ok(());
@@ -78,7 +78,7 @@ impl Pace {
         self.last = time;
         self.next_look = steps + SPAN;
         if left > MOST_STEPS {
-            // Rounded to two digits, and a tenth below the time that this pace reaches.
+            // Rounded to two digits, a tenth below the time that is reached at this pace.
             let reached = format!("{:.1e}", time + 0.9 * MOST_STEPS * step);
             let reached: f64 = reached.parse().unwrap_or(time);
             let implicit = method(&self.integrator)
@@ -92,7 +92,7 @@ impl Pace {
                 )
             };
             return Err(format!(
-                "{} has come down to steps of {step:.1e} s, {left:.0e} of them to the end: the forces are too stiff for \
+                "{} has reduced its steps to {step:.1e} s, with {left:.0e} of them left: the forces are too stiff for \
                  it, or the run is too long; {remedy}",
                 self.integrator
             ));

@@ -59,7 +59,7 @@ const AHEAD: [&[f64]; 4] = [
 /// Angles and poses of a gearbox in static balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// The input angle, rad.
+    /// Input angle, rad.
     pub input: f64,
     /// Disc angles, rad.
     pub wheels: Vec<f64>,
@@ -77,7 +77,7 @@ pub struct Equilibrium {
     order: usize,
 }
 
-/// The quasi-static solver of a gearbox.
+/// Quasi-static solver of a gearbox.
 ///
 /// ```
 /// use pinwheel_gearbox::Gearbox;
@@ -96,7 +96,7 @@ pub struct Statics<'a> {
     pub field: ContactField,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
-    /// The motion about which moments are taken; see [`Statics::moving`].
+    /// Motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     /// Derivatives of the moments with respect to angles, and of the forces on discs to their places.
     derivatives: Jacobian,
@@ -118,7 +118,7 @@ pub struct Statics<'a> {
     evaluations: u64,
     /// Balances solved so far.
     balances: u64,
-    /// Requests for balances that were already known.
+    /// Requests for known balances.
     repeats: u64,
     /// Residual at which Newton's method ends, relative to the load's size.
     goal: f64,
@@ -252,7 +252,7 @@ impl<'a> Statics<'a> {
         let (scales, gear) = (&self.scales, &self.gearbox.scene.gear);
         let moment = load.abs().max(self.least_force_n * gear.lever_m());
         let largest = self.largest_n_m.max(moment);
-        // Rounding of places limits the accuracy of forces, however light the load.
+        // Rounding of places limits the accuracy of forces under any load.
         let least = LEAST_SIZES[usize::from(!carrier.floats())];
         let share = (moment / largest).max(least);
         let moment = share * largest;
@@ -601,7 +601,7 @@ impl<'a> Statics<'a> {
     /// starts again without it.
     ///
     /// # Errors
-    /// As [`Statics::solve`].
+    /// Errors of [`Statics::solve`].
     pub fn solve_near(
         &mut self,
         near: &Equilibrium,
@@ -655,7 +655,7 @@ impl<'a> Statics<'a> {
     /// through the previous balances in `last` that predicted the one before best. A balance that is already known is not solved again.
     ///
     /// # Errors
-    /// As [`Statics::solve`].
+    /// Errors of [`Statics::solve`].
     pub fn track<'e>(
         &mut self,
         last: &'e mut Option<Equilibrium>,

@@ -1,4 +1,4 @@
-//! Evaluating the contact forces allocates nothing, in either loop, with and without friction and points.
+//! Evaluating the contact forces allocates no memory, in either loop, with and without friction and points.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;

@@ -1,6 +1,6 @@
 //! Writes the test vectors of the contact law: states, contact points and forces for every law.
 //!
-//! `cargo run -p pinwheel-law --example vectors -- reference/law-vectors`; the folder's README says what is in the files.
+//! `cargo run -p pinwheel-law --example vectors -- reference/law-vectors`; the folder's README describes the files.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use pinwheel_scene::Scene;
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Name, preset, and what is set in it.
+/// Returns name, preset and overrides of each case.
 pub fn cases() -> Vec<(String, &'static str, Vec<String>)> {
     let set = |text: &str| vec![text.to_owned()];
     let laws = LAWS.iter().map(|law| {
@@ -85,7 +85,7 @@ fn pose(gearbox: &Gearbox) -> Vec<BodyState> {
     states
 }
 
-/// The files by name.
+/// Returns the files by name.
 pub fn files() -> Result<Vec<(&'static str, String)>, Failure> {
     let mut list = "case,preset,set\n".to_owned();
     let mut bodies =

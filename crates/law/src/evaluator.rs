@@ -1,14 +1,14 @@
-//! The contact law on plain numbers: what a foreign solver has and wants.
+//! Contact law on plain arrays for foreign solvers.
 
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
 
-/// Numbers of a state: x, y (m), angle (rad), vx, vy (m/s), rate (rad/s).
+/// Length of a state: x, y (m), angle (rad), vx, vy (m/s), rate (rad/s).
 pub const STATE: usize = 6;
-/// Numbers of a load: fx, fy (N), moment about the centre (N m).
+/// Length of a load: fx, fy (N), moment about the centre (N m).
 pub const LOAD: usize = 3;
 
-/// A contact field and the arrays it works on.
+/// Contact field with its work arrays.
 pub struct Evaluator {
     field: ContactField,
     bodies: Vec<BodyState>,
@@ -16,7 +16,7 @@ pub struct Evaluator {
 }
 
 impl Evaluator {
-    /// For `bodies` bodies.
+    /// Creates the evaluator for `bodies` bodies.
     #[must_use]
     pub fn new(field: ContactField, bodies: usize) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl Evaluator {
         }
     }
 
-    /// Reads [`STATE`] numbers a body and writes [`LOAD`] numbers a body; the same states give the same bits.
+    /// Reads [`STATE`] numbers and writes [`LOAD`] numbers for each body; equal states give equal bits.
     pub fn evaluate(&mut self, states: &[f64], loads: &mut [f64]) {
         for (body, state) in self.bodies.iter_mut().zip(states.as_chunks::<STATE>().0) {
             let &[x, y, angle, vx, vy, rate] = state;
@@ -40,7 +40,7 @@ impl Evaluator {
     }
 }
 
-/// A state as the numbers of [`STATE`].
+/// Returns a state as [`STATE`] numbers.
 #[must_use]
 pub fn numbers(body: &BodyState) -> [f64; STATE] {
     [body.x, body.y, body.angle, body.vx, body.vy, body.rate]

@@ -1,17 +1,14 @@
-//! The C interface: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
+//! C interface: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
 //!
-//! Callers promise some facts that no code can check: texts end in a zero byte; arrays hold as many numbers as the
-//! header says,
-//! aligned, not overlapping, and used by nobody else during the call; nothing is kept of them afterwards. Everything else
-//! is checked:
-//! - a handle is a number that is never used twice, not an address: one that was closed or made up is refused, and
-//!   closing twice does nothing;
-//! - a handle's law stands behind a lock, so two threads that share one wait for each other;
+//! Callers guarantee some facts that no code can check: texts end in a zero byte; arrays have the length of the header, are
+//! aligned, do not overlap, and are not used by others during the call. Arrays are not kept after the call. Everything else is
+//! checked:
+//! - a handle is a unique number, not an address: closed or invented ones are refused, and closing twice has no effect;
+//! - a handle's law has a lock, so two threads that share one wait for each other;
 //! - null addresses are refused;
-//! - no panic gets out.
+//! - no panic leaves the library.
 //!
-//! A call that fails writes NaN where it would have written numbers, as far as it knows how many, and says why by
-//! `pinwheel_law_error`.
+//! A failed call writes NaN to its outputs as far as their length is known, and gives the reason by `pinwheel_law_error`.
 
 #![allow(unsafe_code)]
 
@@ -37,7 +34,7 @@ pub const NOT_FINITE: i32 = -3;
 /// Status of a fault of this library.
 pub const FAULT: i32 = -4;
 
-/// Law as C sees it: only ever a number in the shape of an address.
+/// Law as an opaque type of C; its address is only a number.
 #[repr(C)]
 pub struct PinwheelLaw {
     _private: [u8; 0],
@@ -68,7 +65,7 @@ fn argument(what: impl Into<String>) -> Failure {
     Failure(ARGUMENT, what.into())
 }
 
-/// Runs a call; a failure gives the result of `failed` for its status.
+/// Runs a call; a failure returns `failed` of its status.
 fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Failure>) -> T {
     let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|_| {
         let what = "a fault in libpinwheel_law, not in your call; please report it with the scene";
@@ -91,9 +88,8 @@ pub fn on<T>(
 ) -> T {
     guarded(failed, || {
         let law = LAWS.find(handle);
-        let law = law
-            .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))?;
-        // The law stays valid after a panic, because it keeps nothing from call to call.
+        let law = law.ok_or_else(|| argument("the handle is not open: null, closed or invalid"))?;
+        // The law stays valid after a panic, because it keeps no state between calls.
         let mut law = law.lock().unwrap_or_else(PoisonError::into_inner);
         call(&mut law)
     })
@@ -125,7 +121,7 @@ unsafe fn array_mut<'a>(start: *mut f64, length: usize) -> Option<&'a mut [f64]>
     (!start.is_null()).then(|| unsafe { slice::from_raw_parts_mut(start, length) })
 }
 
-/// Version of this interface.
+/// Returns the version of this interface.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_abi() -> u32 {
     ABI
@@ -134,7 +130,7 @@ pub extern "C" fn pinwheel_law_abi() -> u32 {
 /// Opens a job folder, a scene file, the text of a scene, or a preset; `out` becomes its handle, or null.
 ///
 /// # Safety
-/// `scene`: null or text that ends in a zero byte. `out`: null or the place of a pointer.
+/// `scene`: null or text that ends in a zero byte. `out`: null or the address of a pointer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_open(
     scene: *const c_char,
@@ -142,9 +138,9 @@ pub unsafe extern "C" fn pinwheel_law_open(
 ) -> i32 {
     guarded(identity, || {
         if out.is_null() {
-            return Err(argument("`out` is null; give the place of a handle"));
+            return Err(argument("`out` is null; give the address of a handle"));
         }
-        // SAFETY: not null, and the caller promises a place.
+        // SAFETY: not null, and the caller promises an address.
         unsafe { out.write(ptr::null_mut()) };
         if scene.is_null() {
             return Err(argument("`scene` is null; name a scene or a job folder"));
@@ -159,7 +155,7 @@ pub unsafe extern "C" fn pinwheel_law_open(
     })
 }
 
-/// Number of bodies.
+/// Returns the number of bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_bodies(law: *const PinwheelLaw) -> i32 {
     on(law, identity, |law| {
@@ -167,10 +163,10 @@ pub extern "C" fn pinwheel_law_bodies(law: *const PinwheelLaw) -> i32 {
     })
 }
 
-/// Writes carrier, seat, mass and moment of a body. Each address may be null where its value is not wanted.
+/// Writes carrier, seat, mass and moment of a body. An address may be null if its value is not required.
 ///
 /// # Safety
-/// `carrier`, `mass_kg`, `moment_kg_m2`: null or the place of one number; `seat_m`: null or of two.
+/// `carrier`, `mass_kg`, `moment_kg_m2`: null or the address of one number; `seat_m`: null or of two.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_body(
     law: *const PinwheelLaw,
@@ -201,7 +197,7 @@ pub unsafe extern "C" fn pinwheel_law_body(
             ))
         })?;
         if !carrier.is_null() {
-            // SAFETY: not null, and the caller promises a place.
+            // SAFETY: not null, and the caller promises an address.
             unsafe { carrier.write(found.carrier.number()) };
         }
         let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
@@ -214,7 +210,7 @@ pub unsafe extern "C" fn pinwheel_law_body(
     })
 }
 
-/// Rate of the input shaft, rad/s.
+/// Returns the rate of the input shaft, rad/s.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_rate(law: *const PinwheelLaw) -> f64 {
     on(
@@ -224,16 +220,16 @@ pub extern "C" fn pinwheel_law_rate(law: *const PinwheelLaw) -> f64 {
     )
 }
 
-/// The scene's step, s.
+/// Returns the scene's step, s.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_step(law: *const PinwheelLaw) -> f64 {
     on(law, |_| f64::NAN, |law| Ok(law.gearbox.scene.solver.step_s))
 }
 
-/// Returns the number of samples of the time series, and writes as many of their times as there is room for.
+/// Returns the number of samples of the time series, and writes up to `room` of their times.
 ///
 /// # Safety
-/// `times_s`: null where `room` is 0, else the place of `room` numbers.
+/// `times_s`: null if `room` is 0, else the address of `room` numbers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_samples(
     law: *const PinwheelLaw,
@@ -245,7 +241,7 @@ pub unsafe extern "C" fn pinwheel_law_samples(
         let samples = &law.samples;
         let fit = room.min(samples.len());
         if fit > 0 {
-            // SAFETY: the caller promises `room` numbers, and no more are touched.
+            // SAFETY: the caller promises `room` numbers, and no more are accessed.
             let times = unsafe { array_mut(times_s, fit) };
             let times = times.ok_or_else(|| argument("`times_s` is null, but `room` is not 0"))?;
             times.copy_from_slice(&samples[..fit]);
@@ -257,7 +253,7 @@ pub unsafe extern "C" fn pinwheel_law_samples(
 /// Writes the bodies' states at t = 0.
 ///
 /// # Safety
-/// `states`: null or the place of six numbers a body.
+/// `states`: null or the address of six numbers for each body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_start(law: *const PinwheelLaw, states: *mut f64) -> i32 {
     status_of(law, |law| {
@@ -269,10 +265,10 @@ pub unsafe extern "C" fn pinwheel_law_start(law: *const PinwheelLaw, states: *mu
     })
 }
 
-/// Contact forces at these states.
+/// Evaluates the contact forces at these states.
 ///
 /// # Safety
-/// `states`: null or six numbers a body. `loads`: null or the place of three a body.
+/// `states`: null or six numbers for each body. `loads`: null or the address of three for each body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn pinwheel_law_loads(
     law: *mut PinwheelLaw,
@@ -281,7 +277,7 @@ pub unsafe extern "C" fn pinwheel_law_loads(
 ) -> i32 {
     status_of(law, |law| {
         let bodies = law.bodies().len();
-        // SAFETY: the caller promises their lengths, and that they lie apart.
+        // SAFETY: the caller promises their lengths, and that they do not overlap.
         let (states, loads) = unsafe {
             (
                 array(states, STATE * bodies),
@@ -297,7 +293,7 @@ pub unsafe extern "C" fn pinwheel_law_loads(
     })
 }
 
-/// The load's torque on the output shaft, N m.
+/// Returns the load torque on the output shaft, N m.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_load_torque(law: *const PinwheelLaw, time_s: f64) -> f64 {
     on(

@@ -1,4 +1,4 @@
-//! The job file (`scene.json`): everything a foreign solver needs of a scene, for those that read JSON.
+//! Job file (`scene.json`): all data of a scene for foreign solvers that read JSON.
 
 use std::path::Path;
 
@@ -10,39 +10,39 @@ use serde_json::{Value, json};
 use crate::law::{Law, LawError};
 use crate::{JOB_FILE, STATE};
 
-/// The file a solver writes its time series to.
+/// File of the time series that a solver writes.
 pub const COURSES_FILE: &str = "courses.csv";
-/// Name of the file for time series as Parquet. A solver writes either this or [`COURSES_FILE`].
+/// File of the time series as Parquet; a solver writes either this or [`COURSES_FILE`].
 pub const PARQUET_FILE: &str = "courses.parquet";
-/// The file a solver may write its counts and remarks to.
+/// File for counts and remarks, which a solver may write.
 pub const RESULT_FILE: &str = "result.json";
 
-/// Why a job could not be written.
+/// Reason why a job could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum JobError {
-    /// The scene.
+    /// Fault of the scene.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The folder.
+    /// Fault of the folder.
     #[error("{0}")]
     Io(#[from] std::io::Error),
 }
 
-/// Columns that the time series of a scene must have, in their order, the time first.
+/// Returns the columns that the time series of a scene must have, in order, the time first.
 #[must_use]
 pub fn required(gearbox: &Gearbox) -> Vec<String> {
     let time = std::iter::once(columns::TIME.to_owned());
     time.chain(Recorder::contract(gearbox)).collect()
 }
 
-/// The job of a scene. `law_library`: where `libpinwheel_law` is, if it is anywhere.
+/// Returns the job of a scene. `law_library`: path of `libpinwheel_law`, if known.
 ///
 /// # Errors
 /// A scene whose contacts cannot be built.
 pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
     let law = Law::of(gearbox)?;
     let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
-    // Keys with a value for "nothing" are written, too.
+    // Keys with a value that means none are written, too.
     for key in KEYS {
         let nothing = match key.kind {
             Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),
@@ -89,14 +89,14 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
 /// Writes the job of a scene into a folder.
 ///
 /// # Errors
-/// As [`job`], and what cannot be written.
+/// Errors of [`job`], and files that cannot be written.
 pub fn write(gearbox: &Gearbox, folder: &Path, law_library: Option<&Path>) -> Result<(), JobError> {
     let text = format!("{:#}\n", job(gearbox, law_library)?);
     std::fs::write(folder.join(JOB_FILE), text)?;
     Ok(())
 }
 
-/// JSON schema (draft 2020-12) of job files of this protocol.
+/// Returns the JSON schema (draft 2020-12) of job files of this protocol.
 ///
 /// ```
 /// let schema = pinwheel_law::job::schema();
@@ -121,10 +121,10 @@ pub fn schema() -> Value {
         "type": "object",
         "properties": {
             "name": { "type": "string" },
-            "carrier": { "type": "integer", "minimum": -2, "description": "index of the body it turns on; -1: the housing; -2: nothing, it moves freely in the plane" },
-            "seat_m": with(numbers(2), "its centre in the carrier's frame, whose origin is the carrier's centre (m)"),
+            "carrier": { "type": "integer", "minimum": -2, "description": "index of the body it turns on; -1: the housing; -2: none, the body moves freely in the plane" },
+            "seat_m": with(numbers(2), "centre of the body in the carrier's frame, whose origin is the carrier's centre (m)"),
             "mass_kg": { "type": "number" },
-            "moment_kg_m2": { "type": "number", "description": "about its centre (kg m^2)" },
+            "moment_kg_m2": { "type": "number", "description": "moment of inertia about the body's centre (kg m^2)" },
             "start": with(numbers(STATE), "x, y (m), angle (rad), vx, vy (m/s), rate (rad/s) in the ground frame at t = 0"),
         },
         "required": ["name", "carrier", "seat_m", "mass_kg", "moment_kg_m2", "start"],
@@ -135,14 +135,14 @@ pub fn schema() -> Value {
         "type": "object",
         "properties": {
             "protocol": { "const": JOB_PROTOCOL, "description": "version of this file and of the exit statuses" },
-            "scene": with(scene, "the scene, every key resolved"),
+            "scene": with(scene, "the scene with the values of all keys"),
             "bodies": { "type": "array", "items": body, "description": "input shaft, output shaft, discs, ring pins, output pins" },
             "rate_rad_s": { "type": "number", "description": "constant rate of the input shaft (rad/s)" },
-            "elastic_twist_rad": { "type": "number", "description": "twist of a disc under its largest static load: what errors of angles are small against (rad)" },
-            "vibration_rad_s": { "type": "number", "description": "angular frequency of a disc on its contacts; with the twist, what errors of rates are small against (rad/s)" },
+            "elastic_twist_rad": { "type": "number", "description": "twist of a disc under its largest static load: scale for errors of angles (rad)" },
+            "vibration_rad_s": { "type": "number", "description": "angular frequency of a disc on its contacts; times the twist: scale for errors of rates (rad/s)" },
             "samples_s": { "type": "array", "items": { "type": "number" }, "description": "times of the rows of courses.csv (s)" },
             "columns": { "type": "array", "items": { "type": "string" }, "description": "columns of courses.csv: those of every run, then the channels that the scene asks for, which may be left out" },
-            "law_library": { "type": ["string", "null"], "description": "path of libpinwheel_law; null where it was not built" },
+            "law_library": { "type": ["string", "null"], "description": "path of libpinwheel_law; null if it was not built" },
         },
         "required": ["protocol", "scene", "bodies", "rate_rad_s", "elastic_twist_rad", "vibration_rad_s", "samples_s", "columns", "law_library"],
     })

@@ -1,4 +1,4 @@
-//! A scene opened for a foreign solver.
+//! Scene opened for a foreign solver.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -10,12 +10,12 @@ use serde_json::Value;
 
 use crate::evaluator::{Evaluator, LOAD, STATE, numbers};
 
-/// The file of a job folder that holds the scene.
+/// File of the scene in a job folder.
 pub const JOB_FILE: &str = "scene.json";
-/// The file of a job folder to which every closed law adds a line: how often it was called.
+/// File in a job folder to which every closed law adds a line: its number of calls.
 pub const CALLS_FILE: &str = "law_calls.txt";
 
-/// Reason for which there is no law, or no forces.
+/// Reason for a missing law, or for missing forces.
 #[derive(Debug, thiserror::Error)]
 pub enum LawError {
     /// Fault of the scene.
@@ -25,7 +25,7 @@ pub enum LawError {
     #[error("{0}")]
     Gearbox(#[from] GearboxError),
     /// Array of a wrong length.
-    #[error("{what} must hold {wanted} numbers, not {given}")]
+    #[error("{what} must have {wanted} numbers, not {given}")]
     Length {
         /// Name of the array.
         what: &'static str,
@@ -41,7 +41,7 @@ pub enum LawError {
         body: usize,
     },
     /// Forces that are not finite.
-    #[error("the load on body {body} is not finite: the state is far from any a gearbox can be in")]
+    #[error("the load on body {body} is not finite: no gearbox can be in such a state")]
     Overflow {
         /// Index of the body.
         body: usize,
@@ -51,11 +51,11 @@ pub enum LawError {
 /// Support that carries a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
-    /// Another body, by its index: the body turns on it.
+    /// Another body, by its index, on which the body turns.
     Body(usize),
-    /// The housing: the body turns on it.
+    /// Housing, on which the body turns.
     Housing,
-    /// No support: the body moves freely in the plane, on the law's forces alone.
+    /// No support: the body moves freely in the plane under the law's forces only.
     Free,
 }
 
@@ -71,14 +71,14 @@ impl Carrier {
     }
 }
 
-/// One body and where it is pinned.
+/// Body with its pinned support.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Name in messages, such as `wheel 0`.
     pub name: String,
     /// Support on which the body turns.
     pub carrier: Carrier,
-    /// Centre of the body in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
+    /// Centre of the body in the carrier's frame, from the carrier's centre, m. Constant; 0 for a free body.
     pub seat_m: [f64; 2],
     /// Mass, kg.
     pub mass_kg: f64,
@@ -86,13 +86,13 @@ pub struct Body {
     pub moment_kg_m2: f64,
 }
 
-/// A scene's contact law, bodies, start and load.
+/// Contact law, bodies, start and load of a scene.
 pub struct Law {
     pub(crate) gearbox: Gearbox,
     evaluator: Evaluator,
     bodies: Vec<Body>,
     start: Vec<f64>,
-    /// The times at which time series hold a sample, s.
+    /// Sample times of the time series, s.
     pub(crate) samples: Vec<f64>,
     calls: u64,
     job: Option<PathBuf>,
@@ -102,7 +102,7 @@ impl Law {
     /// Opens a preset, a scene file (TOML or JSON), a job folder, or the text of a scene.
     ///
     /// # Errors
-    /// Returns the fault of the scene, with the remedy.
+    /// Fault of the scene, with the remedy.
     pub fn open(spec: &str) -> Result<Self, LawError> {
         let path = Path::new(spec);
         let job = (preset(spec).is_none() && path.is_dir()).then(|| path.to_owned());
@@ -125,7 +125,7 @@ impl Law {
     /// Builds the law of a compiled scene.
     ///
     /// # Errors
-    /// A scene without contacts that can be built.
+    /// A scene whose contacts cannot be built.
     pub fn of(gearbox: &Gearbox) -> Result<Self, LawError> {
         let bodies = bodies(gearbox);
         Ok(Self {
@@ -154,7 +154,7 @@ impl Law {
     /// Evaluates the contact forces at the given states, [`LOAD`] numbers a body; a function of the states alone.
     ///
     /// # Errors
-    /// Wrong lengths, or states that are not finite; the loads are NaN then.
+    /// Wrong lengths, or states that are not finite; the loads are then NaN.
     pub fn loads(&mut self, states: &[f64], loads: &mut [f64]) -> Result<(), LawError> {
         let count = self.bodies.len();
         for (what, given, wanted) in [
@@ -190,7 +190,7 @@ impl Law {
     }
 }
 
-/// Adds the number of calls to the job folder, so that whoever started the solver can read it in any language.
+/// Adds the number of calls to the job folder, so that the caller of the solver can read it.
 impl Drop for Law {
     fn drop(&mut self) {
         let Some(job) = &self.job else { return };
@@ -198,7 +198,7 @@ impl Drop for Law {
             .create(true)
             .append(true)
             .open(job.join(CALLS_FILE));
-        // A folder that is not writable is no reason to fail.
+        // A read-only folder is no reason to fail.
         let _ = file.and_then(|mut file| writeln!(file, "{}", self.calls));
     }
 }
@@ -217,12 +217,12 @@ fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }
 
-/// Every body pinned at its centre: shafts and ring pins on the housing, discs on the input shaft unless they float,
+/// Returns every body, pinned at its centre: shafts and ring pins on the housing, discs on the input shaft unless they float,
 /// output pins on the output shaft.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
     let gear = &gearbox.scene.gear;
-    // Pins that the output holds turn with it.
+    // Pins fixed to the output turn with it.
     let held = if gear.internal_sleeves_turn {
         0.0
     } else {

@@ -1,12 +1,12 @@
-//! The contact law, geometry, start state and load course of a scene, for solvers in other languages.
+//! Contact law, geometry, start state and load of a scene, for solvers in other languages.
 //!
 //! ```text
 //!  job folder, scene file, text, preset ──open──> Law ─┬─ bodies, carriers, seats, masses, start
 //!                                                      ├─ loads(states)      contact forces, without history
 //!                                                      └─ load_torque(time)
 //! ```
-//! Other languages call the same through C: `include/pinwheel_law.h` documents it, `libpinwheel_law` holds it
-//! (`cargo build --release -p pinwheel-law`). From Rust:
+//! C interface for other languages: header `include/pinwheel_law.h`, library `libpinwheel_law` (`cargo build --release -p
+//! pinwheel-law`). Use from Rust:
 //!
 //! ```
 //! use pinwheel_law::Law;
@@ -27,5 +27,5 @@ mod law;
 pub use evaluator::{Evaluator, LOAD, STATE, numbers};
 pub use law::{Body, CALLS_FILE, Carrier, JOB_FILE, Law, LawError};
 
-/// Version of the C interface; it changes when a program compiled against an older header would not work any more.
+/// Version of the C interface; changes when programs compiled against an older header would no longer work.
 pub const ABI: u32 = 2;

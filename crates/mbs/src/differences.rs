@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Jacobian, OdeSystem};
 
-/// Difference step, relative to a component's scale: errors of rounding and of the next term are equal there.
+/// Difference step, relative to a component's scale, for which rounding and truncation errors are equal.
 const SHARE: f64 = 6e-6;
 /// Difference step of the time, relative to the current step.
 const TIME_SHARE: f64 = 1e-4;
 
-/// Derivatives by central differences, for systems without derivatives of their own.
+/// Derivatives by central differences, for systems without their own.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Differences {
     y: Vec<f64>,

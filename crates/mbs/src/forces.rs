@@ -35,18 +35,18 @@ impl Coordinates {
         Self { angles, places }
     }
 
-    /// Numbers the angle of a body as that of the `carrier` that holds it.
+    /// Numbers the angle of a body as that of the `carrier` to which a driver fixes it.
     pub(crate) fn hold(&mut self, body: BodyId, carrier: BodyId) {
         self.angles[body] = self.angles[carrier];
     }
 
-    /// Returns the number of a body's angle, if that is free or held on a body whose angle is.
+    /// Returns the number of a body's angle, if it is free, or that of its carrier's if fixed to it.
     #[must_use]
     pub fn angle(&self, body: BodyId) -> Option<usize> {
         self.angles[body]
     }
 
-    /// Returns the number of a body's x, if that is free; y has the next.
+    /// Returns the number of a body's x, if it is free; y has the next.
     #[must_use]
     pub fn place(&self, body: BodyId) -> Option<usize> {
         self.places[body]
@@ -74,15 +74,14 @@ impl Derivatives<'_> {
     }
 }
 
-/// Outputs that an evaluation of the forces adds to; those that are `None` are not requested.
+/// Outputs to which an evaluation of the forces adds; `None` if not requested.
 #[derive(Debug, Default)]
 pub struct Evaluation<'a> {
     /// Reliability of the bodies' poses.
     pub pose: Pose,
-    /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
-    /// hold 0 on entry.
+    /// Loads on all bodies, in order: ground frame, N and N m about the centre of mass; 0 on entry with a prescribed pose.
     pub loads: Option<&'a mut [Wrench]>,
-    /// True if only loads on bodies without a joint are needed, because `moments` give the others.
+    /// True if only loads on bodies without a joint are needed, because `moments` cover all others.
     pub floating_alone: bool,
     /// Moments about the pins by body, N m, loads of carried bodies included, of forces that work [from
     /// angles](Forces::work_from_angles). They are those of the free bodies of [`Reduced`](crate::Reduced); if `loads` are
@@ -90,7 +89,7 @@ pub struct Evaluation<'a> {
     pub moments: Option<&'a mut [f64]>,
     /// Derivatives, of forces that [have them](Forces::have_derivatives).
     pub derivatives: Option<Derivatives<'a>>,
-    /// Energy of the contacts: 0 on entry where it is requested, `None` afterwards where these forces do not know it.
+    /// Energy of the contacts; 0 on entry if requested, `None` afterwards if these forces do not provide it.
     pub energy: Option<ContactEnergy>,
 }
 
@@ -103,7 +102,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Requests moments alone, of bodies that stand as their joints prescribe.
+    /// Requests moments alone, of bodies in the poses that their joints prescribe.
     pub fn of_moments(moments: &'a mut [f64]) -> Self {
         Self {
             pose: Pose::Prescribed,
@@ -123,7 +122,7 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Requests the energy of the contacts too.
+    /// Requests the energy of the contacts, too.
     #[must_use]
     pub fn with_energy(mut self) -> Self {
         self.energy = Some(ContactEnergy::default());
@@ -136,12 +135,12 @@ pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]);
 
-    /// Returns true if moments, and loads with them, follow from angles and rates alone. Called once.
+    /// True if moments, and loads with them, follow from angles and rates alone. Called once.
     fn work_from_angles(&self) -> bool {
         false
     }
 
-    /// Returns true if these forces have their derivatives. Called once.
+    /// True if these forces have derivatives. Called once.
     fn have_derivatives(&self) -> bool {
         false
     }
@@ -157,7 +156,7 @@ pub trait Forces {
         }
     }
 
-    /// Adds every applied load but the friction of contacts, and lists these contacts.
+    /// Adds every applied load except the friction of contacts, and lists these contacts.
     ///
     /// By default there is no separate friction.
     fn apply_without_friction(
@@ -171,12 +170,12 @@ pub trait Forces {
         self.apply(time, bodies, loads);
     }
 
-    /// Switches to the loads of the segment that begins at `from` (s), which are used at its end too, until the next call; see
-    /// [`OdeSystem::restart_at`](crate::OdeSystem::restart_at). By default there are no segments.
+    /// Switches to the loads of the segment that begins at `from` (s), which apply up to and including its end, until the next
+    /// call; see [`OdeSystem::restart_at`](crate::OdeSystem::restart_at). By default there are no segments.
     fn restart_at(&mut self, _from: f64) {}
 
-    /// Returns the normal force (N) of contact `index` of the last list for a closing rate `rate` (m/s, along its normal, first
-    /// body against second) at equal positions. `listed`: the force in the list.
+    /// Returns the normal force (N) of contact `index` of the last list for another closing rate `rate` (m/s, along its normal,
+    /// first body against second). `listed`: force in the list.
     fn normal_force(&self, _index: usize, listed: f64, _rate: f64) -> f64 {
         listed
     }

@@ -1,7 +1,7 @@
-//! df/dy of a system and the linear systems that implicit methods solve with it.
+//! Jacobian df/dy of a system, and the linear systems that implicit methods solve with it.
 //!
-//! In a mechanical system, y = (q, v) with q' = v and v' = a(t, q, v), only the accelerations have derivatives worth
-//! storing, K = da/dq and D = da/dv, and a system of twice the size is solved by one of the number of velocities:
+//! For a mechanical system, y = (q, v) with q' = v and v' = a(t, q, v), only K = da/dq and D = da/dv are stored, and a system
+//! of the size of v replaces one of twice the size:
 //!
 //! ```text
 //! (s I - [0 I; K D]) (x, w) = (r, p)   =>   (s I - D - K/s) w = p + K r/s,   x = (r + w)/s
@@ -88,7 +88,7 @@ impl Arrow {
         self.leaves.fill(0.0);
     }
 
-    /// Adds `value` to an entry; two different leaves have none, and nothing changes.
+    /// Adds `value` to an entry; has no effect between two different leaves.
     #[inline]
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (hubs, leaves) = (self.hub_count(), self.leaves.len());
@@ -189,9 +189,9 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 /// Variable of a derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Variable {
-    /// Number of a coordinate.
+    /// Coordinate, by number.
     Position(usize),
-    /// Number of a velocity.
+    /// Velocity, by number.
     Rate(usize),
     /// Function of the time, with its rate of change.
     Time(f64),

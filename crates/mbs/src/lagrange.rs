@@ -1,12 +1,12 @@
-//! The Lagrange form: three coordinates a body, joints by multipliers (Eq. 2-9).
+//! Lagrange form: three coordinates for each body, joints by multipliers (Eq. 2-9).
 //!
-//! y = [x, y, angle of every body; their rates]. At every evaluation the constraints'
-//! accelerations are imposed: `D a = gamma` with, for a revolute with rotated arms s,
-//! `D_parent = [-1 0 s_y; 0 -1 -s_x]`, `D_child = [1 0 -s_y; 0 1 s_x]`,
-//! `gamma = rate_child^2 s_child - rate_parent^2 s_parent`, and for a driver `gamma = f''`.
+//! y = [x, y, angle of every body; their rates]. Every evaluation imposes the constraints' accelerations: `D a = gamma` with,
+//! for a revolute with rotated arms s, `D_parent = [-1 0 s_y; 0 -1 -s_x]`, `D_child = [1 0 -s_y; 0 1 s_x]`, `gamma =
+//! rate_child^2 s_child - rate_parent^2 s_parent`, and for a driver `gamma = f''`.
 //!
-//! Only accelerations are constrained, so positions drift with the integrator's error: for Heun at 1e-5 s about 1e-9 m on the
-//! paper's discs, but 4e-10 m inside every second stage, which is 1e-4 of a penetration. [`Stabilisation`] chooses the remedy.
+//! Positions drift with the integrator's error, because only accelerations are constrained: for Heun at 1e-5 s about 1e-9 m on
+//! the paper's discs, but 4e-10 m inside every second stage, which is 1e-4 of a penetration. [`Stabilisation`] selects the
+//! remedy.
 
 mod split;
 mod turning;
@@ -35,8 +35,8 @@ pub enum Stabilisation {
         rate: f64,
     },
     /// Projection of every evaluated stage and of every step's end onto the constraints. Along the forest of joints centres
-    /// follow from angles and driven angles from time. Loops are closed by Newton steps of least kinetic energy, `M dq + D' mu
-    /// = 0, D dq = -Phi`.
+    /// follow from angles, and driven angles from time. Newton steps of least kinetic energy, `M dq + D' mu = 0, D dq = -Phi`,
+    /// close the loops.
     Projection,
 }
 
@@ -44,10 +44,10 @@ pub enum Stabilisation {
 const LOOP_STEPS: usize = 8;
 /// Tolerance of closed loops: largest gap of a joint, relative to the largest coordinate (at least 1 m).
 const LOOP_TOLERANCE: f64 = 1e-14;
-/// Turn of the fastest body that leads away from a singular pose, rad.
+/// Rotation of the fastest body out of a singular pose, rad.
 const BESIDE: f64 = 2e-5;
 
-/// Returns the state of a body; `None` is the ground.
+/// Returns the state of a body; `None` for the ground.
 fn state_of(bodies: &[BodyState], body: Option<BodyId>) -> BodyState {
     body.map_or_else(BodyState::default, |body| bodies[body])
 }
@@ -91,17 +91,17 @@ pub struct Lagrange<F> {
     projected: Projected,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
-    /// Dependence of contacts on the free rates, where friction may be treated implicitly.
+    /// Dependence of contacts on the free rates, for implicit friction.
     contacts: Option<PinnedContacts>,
     rates: Vec<f64>,
-    /// First estimate of the accelerations by friction of these rates.
+    /// First estimate of the accelerations of these rates by friction.
     guess: Vec<f64>,
     friction: Vec<Wrench>,
     scales: Option<ErrorScales>,
 }
 
 impl<F: Forces> Lagrange<F> {
-    /// Creates the equations: checks the mechanism, orders the elimination and tries one factorisation at the start.
+    /// Creates the equations: checks the mechanism, orders the elimination and factors once at the start.
     ///
     /// # Errors
     /// Bad indices or values; constraints that depend on each other at t = 0.
@@ -184,7 +184,7 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Turns the arms on by `time`, each at its body's rate.
+    /// Advances the arms by `time`, each at its body's rate.
     fn turn_arms(&mut self, time: f64) {
         self.projected.valid = false;
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
@@ -196,10 +196,9 @@ impl<F: Forces> Lagrange<F> {
 
     /// Factors the system; where constraints depend on each other, at a neighbouring pose.
     ///
-    /// Loops can lose rank in single poses that the motion passes through, and the accelerations there are the limit from both
-    /// sides. The arms are therefore turned on by [`BESIDE`], each at its body's rate, and gamma is taken at the same arms. The
-    /// solution is then that of the neighbouring pose of the same branch. Its error is of the order of that angle, in this one
-    /// evaluation.
+    /// Loops can lose rank in single poses of the motion, where the accelerations are the limit from both sides. The arms are
+    /// therefore advanced by [`BESIDE`], each at its body's rate, and gamma is that of the same arms. The solution is then that
+    /// of the neighbouring pose of the same branch, with an error of the order of that angle in this evaluation only.
     fn factor_beside(&mut self) -> Result<(), usize> {
         let Err(constraint) = self.saddle.factor(Dependent::Refuse, &self.arms) else {
             return Ok(());
@@ -282,7 +281,7 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Corrects positions by Newton's method on all constraints in the metric of the mass matrix, then the rates by one exact
+    /// Corrects positions by Newton's method on all constraints in the metric of the mass matrix, then rates by one exact
     /// solve.
     fn close_loops(&mut self, t: f64) {
         let far = |b: &BodyState| b.x.abs().max(b.y.abs());
@@ -330,14 +329,14 @@ impl<F: Forces> Lagrange<F> {
 
     /// Solves M dq + D' mu = 0, D dq = b, with b in the constraint rows.
     fn correct(&mut self) -> Result<(), usize> {
-        // Dependent directions are dropped: they have no defined correction, and a step of least energy does not move them.
+        // Dependent directions are dropped: their correction is undefined, and a step of least energy does not move them.
         self.saddle.factor(Dependent::Drop, &self.arms)?;
         self.saddle.bodies().fill(Vector3::zeros());
         self.saddle.solve();
         Ok(())
     }
 
-    /// Sums the applied loads at the unpacked bodies, and returns the contacts' energy if it is requested and known.
+    /// Sums the applied loads at the unpacked bodies, and returns the contacts' energy if requested and available.
     fn sum_loads(&mut self, t: f64, wants_energy: bool) -> Option<ContactEnergy> {
         self.loads.fill(Wrench::default());
         let pose = if self.stabilisation == Stabilisation::Projection {

@@ -1,5 +1,4 @@
-//! Planar multibody systems: bodies, revolutes, drivers, the saddle-point system and
-//! integrators. Knows nothing of gears.
+//! Planar multibody systems, independent of gears: bodies, revolutes, drivers, the saddle-point system and integrators.
 //!
 //! ```text
 //!                        ┌─> Lagrange  all coordinates, multipliers (saddle point) ─┐
@@ -7,8 +6,8 @@
 //!                        └─> Reduced   centre-pinned bodies eliminated exactly ─────┘   f, Jacobian    steps, segments
 //! ```
 //!
-//! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] turn it into an [`OdeSystem`] under
-//! applied [`Forces`]; the [`integrators`] advance any such system.
+//! A [`Mechanism`] is data. [`Lagrange`] and [`Reduced`] convert it to an [`OdeSystem`] under applied [`Forces`]; the
+//! [`integrators`] advance any such system.
 //!
 //! A rod of 1 m, pinned at its end, falls from the horizontal; at the bottom its rate is sqrt(3 g/l):
 //!

@@ -7,11 +7,11 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// P A = L U with the largest pivot of each column.
+/// Factorisation P A = L U with the largest pivot of each column.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Lu {
     n: usize,
-    /// A, row by row, then both factors.
+    /// Matrix A, row by row, then both factors.
     entries: Vec<f64>,
     /// Inverses of the pivots.
     inverse: Vec<f64>,

@@ -1,11 +1,9 @@
-//! A planar mechanism as data: rigid bodies, revolute joints, drivers.
+//! Planar mechanism as data: rigid bodies, revolute joints, drivers.
 //!
-//! Conventions (paper, Eq. 3-9): ground frame x right, y up, angles counter-clockwise; body
-//! coordinates are the position of the centre of mass and the angle. A revolute joins a point of
-//! a *parent* (body 1, or ground) to a point of a *child* (body 2):
-//! `Phi = r_child - r_parent = 0`. Its multiplier is the force **on the child** at the joint; the
-//! parent takes the opposite. A driver prescribes `angle_child - angle_parent = f(t)`; its
-//! multiplier is the torque **on the child**.
+//! Conventions (paper, Eq. 3-9): ground frame x right, y up, angles counter-clockwise; body coordinates are the position of the
+//! centre of mass and the angle. A revolute joins a point of a *parent* (body 1, or ground) to a point of a *child* (body 2):
+//! `Phi = r_child - r_parent = 0`. Its multiplier is the force **on the child** at the joint; the opposite force acts on the
+//! parent. A driver prescribes `angle_child - angle_parent = f(t)`; its multiplier is the torque **on the child**.
 
 use serde::{Deserialize, Serialize};
 
@@ -27,7 +25,7 @@ pub struct Body {
 /// Revolute joint without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Revolute {
-    /// Body 1; `None` is the ground, whose frame the point is then given in.
+    /// Body 1; `None` for the ground, in whose frame the point is then given.
     pub parent: Option<BodyId>,
     /// Position of the joint in the parent's frame (from its centre of mass), m.
     pub parent_point: [f64; 2],
@@ -42,11 +40,11 @@ pub struct Revolute {
 pub struct Motion {
     /// Start time, s.
     pub from_s: f64,
-    /// f(from), rad.
+    /// Angle f(from), rad.
     pub angle: f64,
-    /// f'(from), rad/s.
+    /// Rate f'(from), rad/s.
     pub rate: f64,
-    /// f'', rad/s^2.
+    /// Acceleration f'', rad/s^2.
     pub acceleration: f64,
 }
 
@@ -67,13 +65,13 @@ impl Motion {
 /// Driver: prescribed relative rotation (Eq. 4).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Driver {
-    /// Body from which the angle is measured; `None` is the ground.
+    /// Reference body of the angle; `None` for the ground.
     pub parent: Option<BodyId>,
     /// Driven body.
     pub child: BodyId,
     /// Prescribed angle, in the present segment.
     pub motion: Motion,
-    /// Motions of all segments, the first from the start on; empty: `motion` holds for all times.
+    /// Motions of all segments, beginning with the start; empty if `motion` applies at all times.
     pub segments: Vec<Motion>,
 }
 
@@ -94,7 +92,7 @@ pub enum MechanismError {
         /// Name of the value.
         what: String,
     },
-    /// Constraints exceed the coordinates, contradict each other, or repeat one.
+    /// Constraints that exceed the coordinates, contradict each other, or repeat one.
     #[error("constraints are redundant: {constraint} adds nothing to the others")]
     Redundant {
         /// Number of the first constraint that depends on the others.
@@ -108,7 +106,7 @@ pub enum MechanismError {
 /// Bodies and their joints.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mechanism {
-    /// All bodies but the ground.
+    /// All bodies except the ground.
     pub bodies: Vec<Body>,
     /// All revolutes.
     pub revolutes: Vec<Revolute>,
@@ -117,7 +115,7 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// Returns the number of scalar constraints: two a revolute, one a driver.
+    /// Returns the number of scalar constraints: two for each revolute, one for each driver.
     #[must_use]
     pub fn constraints(&self) -> usize {
         2 * self.revolutes.len() + self.drivers.len()

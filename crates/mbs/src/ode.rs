@@ -1,5 +1,4 @@
-//! Interface between integrators and systems: the functions that an integrator needs, and the state that a formulation
-//! provides.
+//! Interface between integrators and systems: functions for integrators, and observations of a formulation.
 
 use crate::jacobian::{Jacobian, Structure};
 use crate::{BodyState, ContactEnergy, Wrench};
@@ -12,17 +11,17 @@ pub trait OdeSystem {
     /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 
-    /// Writes f(t, y) of the state at the end of a step. If it is `sampled`, it is observed next ([`Formulation::observe`]);
-    /// otherwise it may be ([`Formulation::cached_observation`]). Both may share the evaluation.
+    /// Writes f(t, y) of the state at the end of a step. A `sampled` state is observed next ([`Formulation::observe`]), any
+    /// other may be ([`Formulation::cached_observation`]); both may share the evaluation.
     fn derivative_at_end(&mut self, t: f64, y: &[f64], _sampled: bool, dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
     }
 
     /// Solves one stage of a method that treats a stiff part of f = e + i implicitly: solves `y = y* + a i(t, y)` in place (`y`
-    /// holds y*), then writes e and i at the solution.
+    /// is y* on entry), then writes e and i at the solution.
     ///
-    /// On entry `i` holds its first estimate, with which an iterative solution begins; with a = 0 it is not read. By default no
-    /// part is stiff, and e is all of f. Without a solution the results are NaN.
+    /// On entry `i` is the first estimate for an iterative solution; it is not read if a = 0. By default no part is stiff, and
+    /// e is all of f. Without a solution the results are NaN.
     fn split_stage(&mut self, t: f64, _a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.derivative(t, y, e);
         i.fill(0.0);
@@ -35,22 +34,22 @@ pub trait OdeSystem {
         Structure::FirstOrder
     }
 
-    /// Adds df/dy and df/dt at (t, y) to `jacobian`, which has this system's [`structure`](Self::structure) and holds 0.
+    /// Adds df/dy and df/dt at (t, y) to `jacobian`, which has this system's [`structure`](Self::structure) and is 0 on entry.
     ///
-    /// False, the default: no derivatives are known, nothing was added, and methods take differences. Derivatives must be
-    /// exact: Rosenbrock methods lose their order with the digits of the Jacobian.
+    /// Returns false, the default, if no derivatives are available: nothing is added, and methods use differences. Derivatives
+    /// must be exact: Rosenbrock methods lose their order with the digits of the Jacobian.
     fn jacobian(&mut self, _t: f64, _y: &[f64], _jacobian: &mut Jacobian) -> bool {
         false
     }
 
-    /// Returns true if the stiffest springs stay closed and turn with the mechanism. Terms that the linear part omits then
-    /// oscillate as fast as the linear part.
+    /// True if the stiffest springs are always engaged and rotate with the mechanism. Terms omitted by the linear part then
+    /// oscillate as fast as it does.
     fn has_turning_springs(&self) -> bool {
         false
     }
 
-    /// Writes the size of an error in each component that counts as 1, for methods that choose their steps: by default the
-    /// component itself, but at least 1.
+    /// Writes the scale of the error of each component, for methods that choose their steps: by default the magnitude of the
+    /// component, but at least 1.
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
         own_scale(y, scale);
     }
@@ -67,30 +66,29 @@ pub trait OdeSystem {
     fn restart_at(&mut self, _from: f64) {}
 }
 
-/// Writes the components themselves, but at least 1, as scales.
+/// Writes the magnitudes of the components, at least 1, as scales.
 pub(crate) fn own_scale(y: &[f64], scale: &mut [f64]) {
     for (scale, y) in scale.iter_mut().zip(y) {
         *scale = y.abs().max(1.0);
     }
 }
 
-/// Errors that count as 1 in each kind of component, for methods that choose their steps. A stiff mechanism deforms by far less
-/// than its coordinates, so that their size is no measure of important errors.
+/// Scales of errors by kind of component, for methods that choose their steps. The deformation of a stiff mechanism is far
+/// smaller than its coordinates, so that their magnitude is no measure of relevant errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorScales {
     /// Scale of positions, m.
     pub length: f64,
     /// Scale of angles, rad.
     pub angle: f64,
-    /// Rate of change that counts as 1 s^-1 of either: speeds and angular velocities are scaled by
-    /// `length` and `angle` times this.
+    /// Scale of rates, 1/s: speeds and angular velocities have `length` and `angle` times this.
     pub frequency: f64,
 }
 
 /// Detail of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
-    /// No joint reactions, and no positions and velocities of carried bodies, which may be of another time.
+    /// Forces without joint reactions; positions and velocities of carried bodies may be of another time.
     Forces,
     /// All quantities.
     Everything,
@@ -105,16 +103,16 @@ pub struct Observation<'a> {
     pub bodies: &'a [BodyState],
     /// Applied loads on all bodies.
     pub loads: &'a [Wrench],
-    /// Moments about the pins by body, N m, of its own load and of those of all bodies that it carries. `None` where the
-    /// formulation does not know them.
+    /// Moments about the pins by body, N m, of its own load and of the loads of all bodies that it carries; `None` if not
+    /// available.
     pub moments: Option<&'a [f64]>,
     /// Kinetic energy of all bodies, J.
     pub kinetic_j: f64,
     /// Torque of each driver on its child, N m.
     pub driver_torques: &'a [f64],
-    /// Energy of the contacts; `None` where the forces do not provide it.
+    /// Energy of the contacts; `None` if the forces do not provide it.
     pub energy: Option<ContactEnergy>,
-    /// Force of each revolute on its child, N; `None` where the formulation does not know them.
+    /// Force of each revolute on its child, N; `None` if not available.
     pub reactions: Option<&'a [[f64; 2]]>,
 }
 
@@ -126,19 +124,19 @@ pub trait Formulation: OdeSystem {
     /// Evaluates the state at (t, y).
     fn observe(&mut self, t: f64, y: &[f64], detail: Detail) -> Observation<'_>;
 
-    /// Returns the observation of the forces at (t, y), if it takes no new evaluation: the last one was
+    /// Returns the observation of the forces at (t, y) if it requires no new evaluation, because the last one was
     /// [`OdeSystem::derivative_at_end`].
     fn cached_observation(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
         None
     }
 
-    /// Sets the time, s, from which ends of steps without a sample are observed too.
+    /// Sets the time, s, from which ends of steps without a sample are observed, too.
     fn observe_from(&mut self, _t: f64) {}
 
     /// Returns the number of integrated velocities.
     fn degrees_of_freedom(&self) -> usize;
 
-    /// Returns the Newton steps of all implicit stages so far, samples inside steps included.
+    /// Returns the number of Newton steps of all implicit stages so far, samples inside steps included.
     fn newton_steps(&self) -> u64 {
         0
     }

@@ -21,11 +21,11 @@ pub(crate) enum Angle {
 /// Free rates of a mechanism, and the contacts of one stage.
 #[derive(Debug, Clone)]
 pub struct PinnedContacts {
-    /// For every body, the origin of its angle and the body that carries it.
+    /// Origin of each body's angle, and the body that carries it.
     pub(crate) pins: Vec<(Angle, Option<BodyId>)>,
     /// Bodies whose rates are free, in order.
     pub(crate) free: Vec<BodyId>,
-    /// Bodies without a joint, in order; their velocities (x, y) follow all free rates.
+    /// Bodies without a joint, in order; their velocities (x, y) are numbered after all free rates.
     pub(crate) floating: Vec<BodyId>,
     /// Contacts, to be listed by the forces, and the effect of their friction on the free rates.
     pub(crate) stage: SlidingStage,
@@ -51,7 +51,7 @@ impl PinnedContacts {
 }
 
 /// Returns the sliding and closing speeds of `contact` as functions of the free rates and of the velocities of the `floating`
-/// bodies, the first of which has the given number.
+/// bodies, which are numbered from the given number on.
 #[inline]
 fn rows(
     pins: &[(Angle, Option<BodyId>)],
@@ -65,7 +65,7 @@ fn rows(
     let (mut known_t, mut known_n) = (0.0, 0.0);
     for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
         let at = bodies[body];
-        // Velocity by a unit rate about (cx, cy) at a point (px, py) away: (-py, px).
+        // Velocity by a unit rate about (cx, cy) at a point at (px, py) from it: (-py, px).
         let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
         if let Some(number) = floating.iter().position(|&floats| floats == body) {
             let dof = first + 2 * number;

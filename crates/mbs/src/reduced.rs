@@ -1,7 +1,7 @@
-//! The reduced form: exact elimination of centre-pinned bodies.
+//! Reduced form: exact elimination of centre-pinned bodies.
 //!
-//! A body carried at its centre of mass has translations that are known functions of its carrier's angle, and its own rotation
-//! does not react on the carrier. Its mass is lumped into the carrier. One equation per free angle remains, without
+//! The translations of a body carried at its centre of mass are known functions of its carrier's angle, and its own rotation
+//! does not react on the carrier. Its mass is lumped into the carrier. One equation for each free angle remains, without
 //! multipliers:
 //!
 //! ```text
@@ -9,10 +9,10 @@
 //! carrier:       (I + sum m |s|^2) a = moment + sum (A s) x F
 //! driven carrier: torque = (I + sum m |s|^2) f'' - moment - sum (A s) x F
 //! ```
-//! Bodies that no joint holds (`floating`) keep their three coordinates: `m a = force` beside their angle's equation.
-//! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
-//! A carried body that a driver holds on its carrier turns with it: it adds its moment of inertia and its moment to the carrier's.
-//! The motion equals that of the Lagrange form to rounding.
+//! Bodies without a joint (`floating`) keep their three coordinates: `m a = force` beside their angle's equation. Bodies
+//! without a moment (`idle`) keep their rate and are not integrated. A carried body that a driver fixes to its carrier rotates
+//! with it: its moment of inertia and its moment are added to the carrier's. The motion equals that of the Lagrange form to
+//! rounding.
 //!
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is linear in the free rates, `u =
 //! offset + J v`, and its friction contributes `-J' F_t` to their equations.
@@ -31,7 +31,7 @@ struct Carried {
     body: BodyId,
     carrier: BodyId,
     arm: [f64; 2],
-    /// True if a driver holds the body's angle on the carrier.
+    /// True if a driver fixes the body's angle to the carrier.
     held: bool,
 }
 
@@ -44,7 +44,7 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
-    /// Bodies without a joint; their positions follow all free angles in y.
+    /// Bodies without a joint; their positions are numbered after all free angles in y.
     floating: Vec<BodyId>,
     /// Bodies that rotate at a constant rate without a moment, with their initial states.
     idle: Vec<(BodyId, BodyState)>,
@@ -52,24 +52,23 @@ pub struct Reduced<F> {
     idle_j: f64,
     /// For each free body, in order: true if the body never touches another leaf and carries nothing.
     is_leaf: Vec<bool>,
-    /// Inverse inertias of the free bodies. A division for every body and evaluation would take a tenth of the time of a small
-    /// gear.
+    /// Inverse inertias of the free bodies. Divisions in every evaluation would take a tenth of the time of a small gear.
     free_inverse: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// Moments about the pin, loads of carried bodies included.
     moments: Vec<f64>,
-    /// e^{i angle} of the carriers.
+    /// Unit numbers e^{i angle} of the carriers.
     turns: Vec<(f64, f64)>,
     torques: Vec<f64>,
     contacts: PinnedContacts,
     scales: Option<ErrorScales>,
-    /// Forces of the revolutes on their children; empty unless wanted.
+    /// Forces of the revolutes on their children; empty unless requested.
     reactions: Vec<[f64; 2]>,
     /// Sum of the reactions that each body carries: scratch.
     borne: Vec<[f64; 2]>,
     evaluated: Evaluated,
-    /// Time, s, from which ends of steps are evaluated with everything that an observation needs.
+    /// Time, s, from which the evaluation at the end of a step includes all parts of an observation.
     observes_from: f64,
     /// Capabilities of the forces: moments from angles alone, and derivatives.
     from_angles: bool,
@@ -98,8 +97,8 @@ impl<F: Forces> Reduced<F> {
     /// Eliminates the translations of `mechanism`; `idle` bodies must never receive a moment.
     ///
     /// # Errors
-    /// The mechanism is faulty, or not a forest of centre-pinned bodies whose carriers are pinned to the ground.
-    /// Bodies that no joint holds are allowed.
+    /// The mechanism is faulty, or not a forest of centre-pinned bodies whose carriers are pinned to the ground. Bodies without
+    /// a joint are permitted.
     pub fn new(mechanism: Mechanism, forces: F, idle: &[BodyId]) -> Result<Self, MechanismError> {
         mechanism.check()?;
         let n = mechanism.bodies.len();
@@ -224,8 +223,8 @@ impl<F: Forces> Reduced<F> {
         })
     }
 
-    /// Declares bodies that never touch each other and carry nothing: their rates are eliminated first when
-    /// friction is treated implicitly, and whenever a method solves with the Jacobian. Without them both are dense.
+    /// Declares bodies that never touch each other and carry nothing. Their rates are eliminated first, both with implicit
+    /// friction and in methods that solve with the Jacobian. Without them both matrices are dense.
     #[must_use]
     pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
         let leaf = self.free.iter().map(|body| leaves.contains(body));
@@ -236,7 +235,7 @@ impl<F: Forces> Reduced<F> {
         self
     }
 
-    /// Returns how contacts of this mechanism depend on its free rates.
+    /// Returns the dependence of this mechanism's contacts on its free rates.
     #[must_use]
     pub fn into_contacts(self) -> PinnedContacts {
         self.contacts
@@ -255,13 +254,13 @@ impl<F: Forces> Reduced<F> {
         &self.free
     }
 
-    /// Replaces the motion that a driver prescribes; the caller has to restart the integration.
+    /// Replaces the motion of a driver; the caller must restart the integration.
     pub fn set_motion(&mut self, driver: usize, motion: Motion) {
         self.evaluated.valid = false;
         self.mechanism.drivers[driver].motion = motion;
     }
 
-    /// Returns the applied forces for changes; the caller has to restart the integration.
+    /// Returns the applied forces for changes; the caller must restart the integration.
     pub fn forces_mut(&mut self) -> &mut F {
         self.evaluated.valid = false;
         &mut self.forces
@@ -331,8 +330,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Evaluates the forces at (t, y), unless their values are stored. Moments are always evaluated; if the state is
-    /// `observed`, all loads, the energy and the drivers' torques too.
+    /// Evaluates the forces at (t, y), unless their values are stored: moments always; all loads, the energy and the drivers'
+    /// torques if the state is `observed`.
     fn evaluate(&mut self, t: f64, y: &[f64], observed: bool) {
         if self.evaluated.is_of(t, y) {
             return;
@@ -372,7 +371,7 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.y.copy_from_slice(y);
     }
 
-    /// Sets the poses of all bodies, whose angles and rates are those at time `t`.
+    /// Sets the poses of all bodies from their angles and rates, which are those at time `t`.
     fn put(&mut self, t: f64) {
         if self.evaluated.placed {
             return;
@@ -426,8 +425,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Adds the accelerations of floating bodies under the present loads to `accelerations`, whose entries for them are 0
-    /// before.
+    /// Adds the accelerations of floating bodies under the present loads to `accelerations`, whose entries for them are 0 on
+    /// entry.
     fn accelerate_floating(&self, accelerations: &mut [f64]) {
         let first = self.free.len();
         let (to, _) = accelerations[first..].as_chunks_mut::<2>();
@@ -440,8 +439,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Computes the forces of the revolutes at time `t` from the moments and loads of the last evaluation. The elimination
-    /// needs no reaction forces, but they follow from it:
+    /// Computes the forces of the revolutes at time `t` from the moments and loads of the last evaluation. The elimination does
+    /// not need reaction forces, but they follow from it:
     ///
     /// ```text
     /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
@@ -495,7 +494,7 @@ impl<F: Forces> Reduced<F> {
     }
 }
 
-/// Returns the inertia of every velocity: lumped moments of the free bodies, then the masses of the floating ones.
+/// Returns the inertia of every velocity: lumped moments of inertia of the free bodies, then masses of the floating ones.
 fn moving(
     mechanism: &Mechanism,
     inertia: &[f64],

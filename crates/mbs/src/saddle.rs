@@ -1,29 +1,29 @@
-//! The saddle-point system (Eq. 2), factored block by block.
+//! Saddle-point system (Eq. 2), factored block by block.
 //!
 //! ```text
 //! [ M  -D' ] [ a      ]   [ F     ]
 //! [ D   0  ] [ lambda ] = [ gamma ]
 //! ```
 //! With mu = -lambda the system is symmetric indefinite: [M D'; D 0][a; mu] = [F; gamma]. Its graph has a node for each body (3
-//! unknowns), revolute (2) and driver (1), and an edge wherever a constraint touches a body. Nodes are eliminated in an order
-//! of least degree first, which is determined once. A constraint's pivot is zero until a body of its own is eliminated, so the
+//! unknowns), revolute (2) and driver (1), and an edge wherever a constraint acts on a body. Nodes are eliminated in an order
+//! of least degree first, which is determined once. A constraint's pivot is zero until one of its bodies is eliminated, so the
 //! constraint has to wait:
 //! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
-//!   are independent whatever the pose, because each has a body to itself;
+//!   are independent in any pose, because each has a body to itself;
 //! * a joint that closes a loop for all bodies of the loop; its pivot is regular if D has full rank.
 //!
 //! D can lose rank in single poses of a mechanism with loops (all rods of a parallelogram on one line). The pivot of a closing
-//! constraint then has an eigenvalue of the size of rounding errors. [`Dependent`] chooses the treatment: refuse, so that the
-//! caller can evaluate beside the singular pose, or drop that direction, which gives the least solution of the remaining
+//! constraint then has an eigenvalue of the size of rounding errors. [`Dependent`] selects the treatment: an error, so that the
+//! caller can evaluate a neighbouring pose, or omission of that direction, which gives the least solution of the remaining
 //! equations.
 //!
-//! For a forest there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia
-//! to its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
+//! A forest has no fill: eliminating a leaf body and then its joint adds the leaf's inertia to its carrier, so the cost is
+//! linear in the number of bodies. Only loops cause fill.
 //!
-//! Bodies that one revolute holds to their carrier or to the ground go first and in closed form ([`pinned`]).
+//! Bodies held by one revolute on their carrier or on the ground are eliminated first and in closed form ([`pinned`]).
 //!
-//! Blocks are 3 x 3 with the unused rows and columns of smaller nodes held at identity, which
-//! keeps one code path and no branches; this is [George & Liu 1981] on 3 x 3 blocks.
+//! Blocks are 3 x 3, with identity in the unused rows and columns of smaller nodes: one code path without branches, [George &
+//! Liu 1981] on 3 x 3 blocks.
 
 mod pinned;
 mod symbolic;
@@ -36,8 +36,8 @@ use crate::tree::Arms;
 use pinned::Pinned;
 use symbolic::{Below, Builder, Pivot, Target, Update, elimination_order, prerequisites};
 
-/// Singularity threshold of a constraint's pivot: smallest eigenvalue relative to the largest amount that was added to or taken
-/// from the pivot. Rounding errors are about 1e-16. The eigenvalue is the square of a small angle, so 1e-12 is an angle of 1e-6
+/// Singularity threshold of a constraint's pivot: smallest eigenvalue relative to the largest change of the pivot during
+/// elimination. Rounding errors are about 1e-16. The eigenvalue is the square of a small angle, so 1e-12 is an angle of 1e-6
 /// rad.
 const SINGULAR: f64 = 1e-12;
 
@@ -46,7 +46,7 @@ const SINGULAR: f64 = 1e-12;
 pub(crate) enum Dependent {
     /// The factorisation fails and names the constraint.
     Refuse,
-    /// The constraint's dependent directions are dropped: their multipliers are 0.
+    /// The constraint's dependent directions are dropped, with multipliers of 0.
     Drop,
 }
 
@@ -54,15 +54,15 @@ pub(crate) enum Dependent {
 #[derive(Debug, Clone, Copy)]
 struct Slot {
     block: usize,
-    /// True if the body is eliminated after the constraint: the block holds D' instead of D.
+    /// True if the body is eliminated after the constraint: the block is D' instead of D.
     transposed: bool,
 }
 
-/// Factored system: its symbolic part is made once, its numbers are replaced at every evaluation.
+/// Factored system; the symbolic part is computed once, the numbers at every evaluation.
 #[derive(Debug, Clone)]
 pub struct SaddlePoint {
     pinned: Pinned,
-    /// Bodies and constraints that the closed forms do not eliminate, by their numbers in the mechanism.
+    /// Bodies and constraints that are not eliminated in closed form, by their numbers in the mechanism.
     left: [Vec<usize>; 2],
     /// Right-hand sides, then solutions, of all bodies and all constraints.
     values: [Vec<Vector3<f64>>; 2],
@@ -80,7 +80,7 @@ pub struct SaddlePoint {
     scratch: Vec<Matrix3<f64>>,
     /// Largest change of each diagonal block so far, the reference for singular pivots.
     reference: Vec<f64>,
-    /// Right-hand side, then solution, one vector a node.
+    /// Right-hand side, then solution, one vector for each node.
     unknowns: Vec<Vector3<f64>>,
 }
 
@@ -304,8 +304,8 @@ fn symmetric_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
 }
 
 /// Returns the inverse of the upper left `size` x `size` part of a constraint's block (negative definite when regular), and
-/// true if all its eigenvalues exceed `least` in size. Directions with smaller eigenvalues are dropped; outside the part the
-/// inverse is the identity.
+/// true if the magnitudes of all its eigenvalues exceed `least`. Directions with smaller eigenvalues are dropped; outside the
+/// part the inverse is the identity.
 #[inline]
 pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3<f64>, bool) {
     let mut inverse = Matrix3::identity();
@@ -332,7 +332,7 @@ pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3
     inverse[(0, 0)] = 0.0;
     inverse[(1, 1)] = 0.0;
     if larger.abs() > least {
-        // (m - smaller I)/(larger - smaller) projects on the direction of the larger eigenvalue.
+        // (m - smaller I)/(larger - smaller) projects onto the direction of the larger eigenvalue.
         let smaller = trace - larger;
         let scale = 1.0 / (larger * (larger - smaller));
         inverse[(0, 0)] = (a - smaller) * scale;
@@ -343,7 +343,7 @@ pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3
     (inverse, false)
 }
 
-/// Turns the failing constraint's number into an error that names it.
+/// Converts the failing constraint's number to an error that names it.
 pub(crate) fn redundant(mechanism: &Mechanism, constraint: usize) -> MechanismError {
     let revolutes = mechanism.revolutes.len();
     let constraint = if constraint < revolutes {

@@ -47,12 +47,12 @@ pub struct Wrench {
     pub moment: f64,
 }
 
-/// Energy in the contacts and the powers that leave it; both powers are at least 0 for a law that only dissipates.
+/// Energy of the contacts and their power losses; both losses are at least 0 for a dissipative law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactEnergy {
     /// Stored energy, J.
     pub stored_j: f64,
-    /// Power lost in the normal direction, W: the difference of the normal force from that at rate 0, times the rate.
+    /// Power lost by damping, W: the normal force less that at rate 0, times the rate.
     pub damping_w: f64,
     /// Power lost by sliding in contacts, W.
     pub contact_friction_w: f64,
@@ -65,7 +65,7 @@ pub struct ContactEnergy {
 }
 
 impl ContactEnergy {
-    /// Returns the power lost by friction of all causes, W.
+    /// Returns the power lost by all kinds of friction, W.
     #[must_use]
     pub fn friction_w(&self) -> f64 {
         self.by_cause_w().iter().sum()

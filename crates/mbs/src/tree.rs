@@ -1,25 +1,25 @@
 //! Spanning forest of the joints: bodies from the ground outwards.
 //!
-//! Along the forest every centre of mass follows from the angles by
-//! `r_child = r_parent + A_parent s_parent - A_child s_child`, exactly and without a solve.
+//! Along the forest every centre of mass follows from the angles exactly, without a solve, by `r_child = r_parent + A_parent
+//! s_parent - A_child s_child`.
 
 use crate::mechanism::Mechanism;
 use crate::state::{BodyId, BodyState};
 
-/// Arms of one revolute in the ground's directions.
+/// Arms of one revolute in the ground frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Arms {
     pub(crate) parent: [f64; 2],
     pub(crate) child: [f64; 2],
 }
 
-/// One revolute of the forest, in an order in which parents come before children.
+/// Revolute of the forest, in an order with parents before children.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Branch {
     pub(crate) revolute: usize,
-    /// Body whose position follows.
+    /// Body whose position is computed.
     pub(crate) body: BodyId,
-    /// Body (or ground) from which it follows.
+    /// Body (or ground) from which it is computed.
     pub(crate) from: Option<BodyId>,
     /// True if `body` is the joint's child and `from` its parent; else the reverse.
     pub(crate) outwards: bool,
@@ -29,9 +29,9 @@ pub(crate) struct Branch {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Forest {
     pub(crate) branches: Vec<Branch>,
-    /// Bodies to which no revolute of the forest leads.
+    /// Bodies not reached by a revolute of the forest.
     pub(crate) roots: Vec<BodyId>,
-    /// Branches whose bodies' centres are fixed, because the ground holds them there.
+    /// Branches whose bodies' centres are fixed by the ground.
     resting: Vec<Branch>,
     moving: Vec<Branch>,
     /// Revolutes that close loops.
@@ -97,7 +97,7 @@ impl Forest {
         }
     }
 
-    /// Computes the positions and velocities of all moving centres from their angles and predecessors. `arms`: of every
+    /// Computes the positions and velocities of all moving centres from their angles and predecessors. `arms`: arms of every
     /// revolute at these angles.
     #[inline]
     pub(crate) fn place(&self, bodies: &mut [BodyState], arms: &[Arms]) {
@@ -106,7 +106,7 @@ impl Forest {
         }
     }
 
-    /// Computes the centres of the resting branches, which stay there until other code moves them.
+    /// Computes the centres of the resting branches, which only other code can move.
     pub(crate) fn place_resting(&self, bodies: &mut [BodyState], arms: &[Arms]) {
         for branch in &self.resting {
             branch.place(bodies, arms);
@@ -140,7 +140,7 @@ impl Branch {
     }
 }
 
-/// Returns a local point in the ground's directions, without computation for the centre of mass itself.
+/// Returns a local point in the ground frame; the centre of mass itself needs no computation.
 #[inline]
 pub(crate) fn turned(point: [f64; 2], angle: f64) -> [f64; 2] {
     if point == [0.0, 0.0] {

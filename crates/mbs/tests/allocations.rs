@@ -1,4 +1,4 @@
-//! Stepping allocates nothing: every method, both formulations.
+//! Stepping allocates no memory, for every method and both formulations.
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
@@ -6,7 +6,7 @@ use pinwheel_mbs::{
     Reduced, Revolute, Stabilisation, Variable, Wrench,
 };
 
-/// A spring on every angle.
+/// Springs on every angle.
 struct Springs;
 
 impl Forces for Springs {
@@ -17,7 +17,7 @@ impl Forces for Springs {
         }
     }
 
-    /// Near enough: methods that ask for derivatives shall use them.
+    /// Approximate: methods that request derivatives must use them.
     fn have_derivatives(&self) -> bool {
         true
     }
@@ -36,7 +36,7 @@ impl Forces for Springs {
     }
 }
 
-/// A driven hub and a free one, each carrying bodies at their centres of mass.
+/// Returns a mechanism of a driven and a free hub, each with bodies at their centres of mass.
 fn mechanism() -> Mechanism {
     let body = |k: usize| Body {
         name: format!("body {k}"),
@@ -77,7 +77,7 @@ fn mechanism() -> Mechanism {
     }
 }
 
-/// Allocations of 500 steps after the first ten.
+/// Counts the allocations of 500 steps after the first ten.
 fn allocations<F: Formulation>(method: &str, mut system: F) -> u64 {
     let mut y = system.initial();
     let settings = StepSettings {

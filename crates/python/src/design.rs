@@ -1,4 +1,4 @@
-//! Designs: a scene from a catalogue's data, a designer's figures of a scene, and a co-simulation unit of a scene.
+//! Designs: a scene from catalogue data, design figures of a scene, and a co-simulation unit of a scene.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ fn value<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyAny>, key: &str) -
     given.get_item(key)?.extract().map_err(Into::into)
 }
 
-/// The scene of a catalogue's data by name, in SI, as a scene file; what is `None` is suggested.
+/// Drafts a scene file from catalogue data by name, in SI; `None` is replaced by a suggestion.
 #[pyfunction]
 pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
     fn named<T>(
@@ -81,7 +81,7 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
     Ok(draft.text)
 }
 
-/// Figures that a designer asks of a gear.
+/// Design figures of a gear.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Designed {
     found: designs::DesignResult,
@@ -89,39 +89,39 @@ pub(crate) struct Designed {
 
 #[pymethods]
 impl Designed {
-    /// Figures, JSON.
+    /// Returns the figures as JSON.
     fn json(&self) -> Raises<String> {
         Ok(serde_json::to_string(&self.found)?)
     }
 
-    /// Figures in words: each value, and its bounds.
+    /// Returns the figures as text: each value and its bounds.
     fn words(&self) -> Vec<(String, String)> {
         self.found.figures.iter().map(shown).collect()
     }
 
-    /// The page that opens offline.
+    /// Returns the page, which needs no network.
     fn page(&self) -> String {
         pages::design::page(&self.found, &made())
     }
 
-    /// Text for a terminal.
+    /// Returns the text for a terminal.
     fn text(&self) -> String {
         pages::design::text(&self.found, true)
     }
 
-    /// Drawing of every disc that is a part of its own, DXF, with its number.
+    /// Returns number and drawing (DXF) of every distinct disc.
     fn dxf(&self) -> Vec<(usize, String)> {
         let discs = self.found.discs.iter();
         discs.map(|disc| (disc.number(), disc.dxf())).collect()
     }
 
-    /// Answer of the limits, and what decides it, in words.
+    /// Returns the answer of the limits and its reason, as text.
     fn bears(&self) -> (String, String) {
         pages::design::answer(&self.found.limits)
     }
 }
 
-/// Figures of the scene's gear; `runs`: also those that take dynamic runs.
+/// Computes the figures of the scene's gear; `runs`: also those that need dynamic runs.
 #[pyfunction]
 pub(crate) fn design(
     py: Python<'_>,
@@ -136,7 +136,8 @@ pub(crate) fn design(
     Ok(Designed { found })
 }
 
-/// The scene as a co-simulation unit: the file's bytes. `library`: of such units; by itself as the program finds it.
+/// Returns the bytes of the scene's co-simulation unit. `library`: path of the library of units; `None`: searched like the
+/// program's.
 #[pyfunction]
 pub(crate) fn fmu(
     py: Python<'_>,

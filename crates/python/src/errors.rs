@@ -1,4 +1,4 @@
-//! Errors as the package's exceptions. Messages name keys as Python writes them, and never the program's options.
+//! Errors as the package's exceptions. Messages name keys as in Python, and never options of the program.
 
 use pinwheel::scene::{Location, SceneError};
 use pinwheel::studies::StudyError;
@@ -46,7 +46,7 @@ fn raise(
     Raised(Python::attach(made).unwrap_or_else(|broken| broken))
 }
 
-/// Message, key and remedy of a fault of a scene.
+/// Returns message, key and remedy of a fault of a scene.
 fn fault(error: &SceneError) -> (String, Option<&str>, &str) {
     let (message, key, remedy) = match error {
         SceneError::Key {
@@ -78,7 +78,7 @@ impl From<SceneError> for Raised {
     }
 }
 
-/// Returns the exception for a fault of `key` that is worded elsewhere.
+/// Returns the exception for a fault of `key` with a given message.
 pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
     raise("SceneError", message, |raised| {
         raised.setattr("key", key)?;
@@ -86,7 +86,7 @@ pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
     })
 }
 
-/// How a run of `engine` ended other than finished; `partial`: what it had computed until then.
+/// Returns the exception for a run of `engine` that did not finish; `partial`: its results so far.
 pub(crate) fn ended(engine: &str, ending: &Ending, partial: Option<Py<PyAny>>) -> Raised {
     let class = match ending {
         Ending::Diverged { .. } => "Diverged",

@@ -1,4 +1,4 @@
-//! Files that users name.
+//! Files named by users.
 
 use std::path::PathBuf;
 
@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 
 use crate::errors::Raises;
 
-/// Writes all of a file or nothing. What is there is replaced if it holds `mark`, by which files of its kind are known; units
-/// are known by their description.
+/// Writes a file completely or not at all. An existing file is replaced if it contains `mark`, which identifies its kind; a
+/// unit is recognised by its description.
 #[pyfunction]
 pub(crate) fn write(py: Python<'_>, path: PathBuf, content: &[u8], mark: &str) -> Raises<()> {
     let ours = |earlier: &[u8]| match content.starts_with(b"PK") {

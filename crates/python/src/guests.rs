@@ -1,4 +1,4 @@
-//! Engines by name, and solvers written in Python.
+//! Engines by name, and solvers in Python.
 
 use std::sync::Arc;
 
@@ -11,14 +11,14 @@ use pyo3::prelude::*;
 use crate::errors::{Raises, input};
 use crate::supervise::Desk;
 
-/// An engine as it is asked for.
+/// Engine as requested.
 pub(crate) enum Asked {
     Name(String),
     Own(UserEngine),
 }
 
 impl Asked {
-    /// A name, or a `pinwheel.Engine`, which `desk`'s caller runs; without a desk whoever asks it does.
+    /// Converts a name or a `pinwheel.Engine`; `desk` lets its caller's thread run the latter.
     pub(crate) fn of(engine: &Bound<'_, PyAny>, desk: Option<&Desk>) -> Raises<Self> {
         if let Ok(name) = engine.extract::<String>() {
             return Ok(Self::Name(name));
@@ -56,7 +56,7 @@ impl Asked {
     }
 }
 
-/// The engines asked for; without any all that there are for the scene.
+/// Returns the requested engines; without a request all available ones for the scene.
 pub(crate) fn engines(asked: Vec<Asked>, scene: &Scene) -> Raises<Vec<Box<dyn Engine>>> {
     if asked.is_empty() {
         let none: [&str; 0] = [];
@@ -76,7 +76,7 @@ pub(crate) fn engines(asked: Vec<Asked>, scene: &Scene) -> Raises<Vec<Box<dyn En
     Ok(found)
 }
 
-/// The guests among the engines asked for, and the names of all.
+/// Returns the names of all requested engines, and those in Python.
 pub(crate) fn split(asked: Vec<Asked>) -> (Vec<String>, Vec<Arc<dyn Engine>>) {
     let (mut names, mut guests) = (Vec::new(), Vec::<Arc<dyn Engine>>::new());
     for engine in asked {

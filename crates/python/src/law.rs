@@ -9,13 +9,13 @@ use pyo3::prelude::*;
 use crate::errors::{Raises, input};
 use crate::scene::Core;
 
-/// A normal contact law with its parameters.
+/// Normal contact law with its parameters.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Law(Normal);
 
 #[pymethods]
 impl Law {
-    /// The law called `name` with the parameters of a scene.
+    /// Creates the law `name` with the parameters of a scene.
     #[new]
     fn new(name: &str, scene: &Core) -> Raises<Self> {
         let mut scene = Scene::clone(&scene.checked);
@@ -27,7 +27,7 @@ impl Law {
         })
     }
 
-    /// Forces into `out`; all arrays are doubles of one length. K in N/m^1.5, penetration in m, its rate in m/s.
+    /// Writes forces to `out`; all arrays are doubles of equal length. K in N/m^1.5, penetration in m, its rate in m/s.
     fn forces(
         &self,
         py: Python<'_>,
@@ -44,7 +44,7 @@ impl Law {
         let law = self.0;
         let forces: Vec<f64> = py.detach(|| {
             let pairs = stiffness.iter().zip(&depth).zip(&rate);
-            // Apart there is no force, whatever a law's formula gives there.
+            // Without contact the force is 0, whatever a law's formula gives.
             let force = |((&k, &d), &v): ((&f64, &f64), &f64)| {
                 if k.is_nan() || d.is_nan() || v.is_nan() {
                     f64::NAN
@@ -60,7 +60,7 @@ impl Law {
     }
 }
 
-/// All laws: the program's `laws --json`.
+/// Returns all laws, like the program's `laws --json`.
 #[pyfunction]
 pub(crate) fn laws() -> Raises<String> {
     Ok(serde_json::to_string(&pinwheel::pages::laws::json())?)

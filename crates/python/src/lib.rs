@@ -1,7 +1,7 @@
-//! `pinwheel._core`: what the Python package `pinwheel` (folder `python/`) is built on.
+//! `pinwheel._core`: compiled part of the Python package `pinwheel` (folder `python/`).
 //!
-//! Python holds what users see; here is what must be Rust: scenes are read and checked, engines run with the interpreter's
-//! lock released, studies give their data as JSON and their time series as bytes that numpy takes as they are.
+//! The public interface is in Python. Rust reads and checks scenes, runs engines without the interpreter's lock, and
+//! returns studies as JSON and time series as bytes for numpy.
 
 mod design;
 mod errors;
@@ -19,13 +19,13 @@ use std::ffi::OsString;
 
 use pyo3::prelude::*;
 
-/// Carries out a command line, whose first word is the program's name, and returns the exit status. Once in a process.
+/// Runs a command line, which begins with the program's name, and returns the exit status. Call once a process.
 #[pyfunction]
 fn program(py: Python<'_>, words: Vec<OsString>) -> u8 {
     py.detach(|| pinwheel_cli::main(words))
 }
 
-/// Rust side of the package `pinwheel`; see there.
+/// Compiled part of the package `pinwheel`.
 #[pyo3::pymodule]
 mod _core {
     use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! One scene on one engine.
+//! Run of one scene on one engine.
 
 use pinwheel::engines::Engine;
 use pinwheel::pages;
@@ -13,7 +13,7 @@ use crate::scene::Core;
 use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
-/// A run, its time series apart.
+/// Run with its time series.
 #[pyclass(frozen, get_all, module = "pinwheel._core")]
 pub(crate) struct Ran {
     engine: String,
@@ -21,13 +21,13 @@ pub(crate) struct Ran {
     track: &'static str,
     /// Cost, settings and notes, JSON.
     stats: String,
-    /// Evidence of a run at twice the step, JSON; `None` if it was not made.
+    /// Evidence of a run at twice the step, JSON; `None` without one.
     resolution: Option<String>,
-    /// Numerical uncertainty that the engine itself states, JSON.
+    /// Numerical uncertainty stated by the engine, JSON.
     uncertainty: Option<String>,
-    /// Results of the run, with their uncertainty, JSON.
+    /// Results of the run with their uncertainty, JSON.
     results: String,
-    /// Figures with other contact laws and fits, JSON; `None` where they were not computed.
+    /// Figures with other contact laws and fits, JSON; `None` if not computed.
     by_contact_law: Option<String>,
     /// Text for a terminal.
     text: String,
@@ -51,7 +51,7 @@ impl Ran {
     }
 }
 
-/// Runs a scene; `check`: a native run is repeated at twice its step, and what other contact laws would give is looked at.
+/// Runs a scene; `check`: repeats a native run at twice its step, and computes figures with other contact laws.
 #[pyfunction]
 pub(crate) fn run(
     py: Python<'_>,

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{Raises, input};
 
-/// A checked scene and what it was made of, so that a change derives again what follows from what is written.
+/// Checked scene with its sources, so that a change derives dependent values again.
 #[pyclass(frozen, module = "pinwheel._core", name = "Scene")]
 pub(crate) struct Core {
     pub(crate) checked: CheckedScene,
@@ -25,7 +25,7 @@ pub(crate) fn overrides(sets: &[(String, String)]) -> Vec<Override> {
 
 #[pymethods]
 impl Core {
-    /// A scene from TOML text; `name` is its file, beside which a base is looked for. `sets`: (dotted key, TOML value).
+    /// Reads a scene from TOML text; `name` is its file, beside which a base is searched. `sets`: (dotted key, TOML value).
     #[new]
     fn new(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
         let checked = Scene::from_toml(&text, &name, &overrides(&sets))?;
@@ -59,23 +59,23 @@ impl Core {
         }
     }
 
-    /// Scene with more keys set; what follows from written values is derived again.
+    /// Returns the scene with more keys set; dependent values are derived again.
     fn changed(&self, sets: Vec<(String, String)>) -> Raises<Self> {
         let all = self.sets.iter().cloned().chain(sets).collect();
         Self::new(self.name.clone(), self.text.clone(), all)
     }
 
-    /// Name, text and settings from which it was made.
+    /// Returns name, text and settings of the scene's sources.
     fn spec(&self) -> (String, String, Vec<(String, String)>) {
         (self.name.clone(), self.text.clone(), self.sets.clone())
     }
 
-    /// Writes every key, TOML.
+    /// Returns every key as TOML.
     fn to_toml(&self) -> String {
         self.checked.to_toml()
     }
 
-    /// Keys that nobody wrote: (key, value as TOML, where it comes from).
+    /// Returns omitted keys: (key, value as TOML, source).
     fn origins(&self) -> Vec<(&'static str, String, String)> {
         let origins = self.checked.origins();
         let each = origins
@@ -85,8 +85,8 @@ impl Core {
     }
 }
 
-/// The full name of a key that is given in full or by its last part; of several the one in the fewest tables, if it is alone
-/// there: `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
+/// Returns the full name of a key that is given in full or by its last part; of several the least nested, if unique:
+/// `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
 #[pyfunction]
 pub(crate) fn key(name: &str) -> Raises<String> {
     if ["name", "description", "base"].contains(&name) || KEYS.iter().any(|key| key.name == name) {
@@ -123,7 +123,7 @@ pub(crate) fn key(name: &str) -> Raises<String> {
     }
 }
 
-/// All keys: (name, what it means, unit).
+/// Returns all keys: (name, meaning, unit).
 #[pyfunction]
 pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
     let all = KEYS.iter();
@@ -152,7 +152,7 @@ pub(crate) fn schema() -> String {
     pinwheel::scene::schema::schema().to_string()
 }
 
-/// Names of the presets.
+/// Returns the names of the presets.
 #[pyfunction]
 pub(crate) fn presets() -> Vec<&'static str> {
     PRESETS.iter().map(|preset| preset.name).collect()

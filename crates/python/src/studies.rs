@@ -14,18 +14,18 @@ use crate::scene::Core;
 use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
-/// Returns the origin that pages name, with the command of the Python package.
+/// Returns the origin for pages, with the command of the Python package.
 pub(crate) fn made() -> Provenance {
     Provenance::here("python: import pinwheel")
 }
 
-/// A comparison.
+/// Result of a comparison.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Compared {
     outcome: comparison::Outcome,
     /// True if the caller named the engines.
     asked: bool,
-    /// Exception of the first engine of the caller's that raised one.
+    /// Exception of the caller's first engine that raised one.
     failure: Option<PyErr>,
     /// Remarks on runs that were not kept.
     said: Vec<String>,
@@ -33,12 +33,12 @@ pub(crate) struct Compared {
 
 #[pymethods]
 impl Compared {
-    /// Figures, distances and verdicts: the program's `summary.json`.
+    /// Returns figures, distances and verdicts, like the program's `summary.json`.
     fn json(&self) -> Raises<String> {
         Ok(serde_json::to_string(&self.outcome.comparison)?)
     }
 
-    /// Name and time series of every participant that ran.
+    /// Returns name and time series of every participant that ran.
     fn time_series(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<Columns>)>> {
         let each = self.outcome.participants.iter().map(|participant| {
             let columns = Columns(participant.time_series.clone());
@@ -47,12 +47,12 @@ impl Compared {
         each.collect()
     }
 
-    /// True if the program would end with 0: something was shown of all that was asked for, and every engine named finished.
+    /// True if the program would end with 0: the requested comparison has a result, and every named engine finished.
     fn passed(&self) -> bool {
         self.outcome.exit_status() == 0 && self.outcome.broken(self.asked).is_none()
     }
 
-    /// Exception of an engine of the caller's that failed, with what it raised as its cause.
+    /// Returns the exception of a failed engine of the caller, with the raised one as its cause.
     fn failure(&self, py: Python<'_>) -> Option<PyErr> {
         self.failure.as_ref().map(|error| error.clone_ref(py))
     }
@@ -66,12 +66,12 @@ impl Compared {
         pages::comparison::page(&self.outcome, &made())
     }
 
-    /// Text for a terminal.
+    /// Returns the text for a terminal.
     fn text(&self) -> String {
         pages::comparison::text(&self.outcome.gearbox.scene, &self.outcome)
     }
 
-    /// Text for a terminal with `--verbose`.
+    /// Returns the text for a terminal with `--verbose`.
     fn details(&self) -> String {
         pages::comparison::details(&self.outcome)
     }
@@ -151,7 +151,7 @@ pub(crate) struct Benched(benches::WorkPrecision);
 
 #[pymethods]
 impl Benched {
-    /// The rows of the program's `bench.csv`.
+    /// Returns the rows of the program's `bench.csv`.
     fn csv(&self) -> Raises<Vec<u8>> {
         let mut rows = Vec::new();
         self.0.table().write_csv(&mut rows).map_err(plain)?;
@@ -167,7 +167,7 @@ impl Benched {
     }
 }
 
-/// Measures what accuracy costs in the engines named, on one scene.
+/// Measures the cost of accuracy of the named engines on one scene.
 #[pyfunction]
 pub(crate) fn bench(
     py: Python<'_>,
@@ -197,7 +197,7 @@ pub(crate) fn bench(
     Ok(Benched(found))
 }
 
-/// Model and assumptions of a scene: (for programs, JSON; for people, text).
+/// Returns model and assumptions of a scene: (JSON, text).
 #[pyfunction]
 pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     let gearbox = pinwheel::compile(&scene.checked)?;
@@ -206,7 +206,7 @@ pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     Ok((json, pages::explain::text(&found)))
 }
 
-/// The engines there are: the program's `engines --json`.
+/// Returns the available engines, like the program's `engines --json`.
 #[pyfunction]
 pub(crate) fn engines() -> Raises<String> {
     Ok(serde_json::to_string(&choice::listed())?)

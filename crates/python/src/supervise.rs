@@ -1,5 +1,5 @@
-//! Work on a thread of its own while the interpreter's lock is free: the caller's thread looks for Ctrl-C, tells the progress,
-//! and runs what is Python. So Ctrl-C is in a solver of the user's what it is in any function: an exception where it stands.
+//! Work on its own thread without the interpreter's lock, while the caller's thread checks for Ctrl-C, reports progress,
+//! and runs Python code. Ctrl-C therefore raises an exception inside a user's solver, as in any function.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,7 +33,7 @@ struct Seen {
 enum Item {
     /// A solver to run.
     Call(Call),
-    /// The work is over.
+    /// End of the work.
     End,
 }
 
@@ -105,10 +105,10 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does `work`. `progress(done, total, piece, simulated_s, of_s)` is called now and then; what it raises stops the work.
+/// Runs `work`. Calls `progress(done, total, piece, simulated_s, of_s)` at intervals; an exception from it stops the work.
 ///
 /// # Errors
-/// `KeyboardInterrupt`, or what `progress` raised; the work has ended by then. Or its own.
+/// `KeyboardInterrupt`, or an exception from `progress`, after the end of the work; or an error of the work.
 pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
     py: Python<'_>,
     desk: &Desk,
@@ -191,7 +191,7 @@ fn stopped(py: Python<'_>) -> PyErr {
 impl Call {
     /// Answers the call with the exception of a stopped run.
     fn refuse(self, py: Python<'_>) {
-        // The thread that made the call may be gone.
+        // The calling thread may be gone.
         let _unheard = self.answer.send(Err(stopped(py)));
     }
 
@@ -221,7 +221,7 @@ impl Call {
         stops.map_or(Ok(()), Err)
     }
 
-    /// Has the solver's reports told to `progress` too, which this thread can not do while it runs the solver.
+    /// Passes the solver's reports to `progress` too, which this thread cannot call while it runs the solver.
     fn listen(
         &self,
         py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Sweeps: planned and stored here, run by threads of this process or, batch by batch, by workers elsewhere.
+//! Sweeps: planned and stored here, run by threads of this process or, in batches, by other processes.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -19,10 +19,10 @@ use crate::scene::overrides;
 use crate::studies::made;
 use crate::supervise::{Desk, lock, supervised};
 
-/// Command that the manifest of a folder names.
+/// Command in the manifest of a folder.
 const COMMAND: &str = "pinwheel.sweep in Python";
 
-/// A sweep with its journal, from its plan to its files.
+/// Sweep with its journal, from its plan to its files.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Sweep {
     plan: Plan,
@@ -99,17 +99,17 @@ impl Sweep {
         &self.plan.sweep.name
     }
 
-    /// Path of the results' folder.
+    /// Returns the path of the results folder.
     fn out(&self) -> String {
         self.out.display().to_string()
     }
 
-    /// Keys that are varied.
+    /// Returns the varied keys.
     fn keys(&self) -> Vec<&str> {
         self.plan.keys().collect()
     }
 
-    /// Runs everything that the journal lacks on `jobs` threads.
+    /// Runs all that the journal lacks on `jobs` threads.
     fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> Raises<()> {
         let records = supervised(py, &self.desk, progress.as_ref(), |control| {
             let journal = lock(&self.journal);
@@ -120,7 +120,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// Numbers of the runs that the journal lacks.
+    /// Returns the numbers of the runs that the journal lacks.
     fn pending(&self) -> Raises<Vec<usize>> {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
@@ -135,7 +135,7 @@ impl Sweep {
         Ok(pending)
     }
 
-    /// Run `k` for a worker: number, engine, complete scene, window.
+    /// Returns run `k` for a worker: number, engine, complete scene, window.
     fn task(&self, k: usize) -> Raises<Task> {
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
         let scene = planned.scene.to_toml();
@@ -147,7 +147,7 @@ impl Sweep {
         ))
     }
 
-    /// Folder and format of the time series that workers write; `None` where no series are kept.
+    /// Returns folder and format of the workers' time series; `None` if no series are stored.
     fn time_series(&self) -> Option<(String, &'static str)> {
         let how = match self.plan.sweep.time_series {
             KeepTimeSeries::None => return None,
@@ -193,7 +193,7 @@ impl Sweep {
             .map_or(Ok(()), |journal| Ok(journal.remove()?))
     }
 
-    /// Closes the journal and keeps its runs; removes an empty journal. Returns the number of its runs.
+    /// Closes the journal with its runs, or removes an empty one. Returns the number of its runs.
     fn close(&self) -> Raises<usize> {
         let Some(journal) = lock(&self.journal).take() else {
             return Ok(0);
@@ -205,7 +205,7 @@ impl Sweep {
         Ok(kept)
     }
 
-    /// Results as columns: (name, values), numbers or texts, `None` where there is no value.
+    /// Returns the results as columns: (name, values), numbers or texts, `None` without a value.
     fn columns<'py>(&self, py: Python<'py>) -> Raises<Vec<(String, Bound<'py, PyAny>)>> {
         let table = sweeps::results(&self.plan, &self.records()?);
         let each = table.columns.into_iter().map(|column| {
@@ -219,7 +219,7 @@ impl Sweep {
         each.collect()
     }
 
-    /// Runs that did not finish, and why the first did not: engine and reason.
+    /// Returns the number of unfinished runs, and engine and reason of the first.
     fn broken(&self) -> Raises<(usize, Option<(String, String)>)> {
         let records = self.records()?;
         let broken = sweeps::broken(&self.plan, &records);
@@ -228,38 +228,38 @@ impl Sweep {
         Ok((broken.count(), first))
     }
 
-    /// Results of a sample, JSON: a list, empty without one.
+    /// Returns the results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
         let found = sweeps::tolerances(&self.plan, &sweeps::results(&self.plan, &self.records()?));
         Ok(serde_json::to_string(&found)?)
     }
 
-    /// Text for a terminal.
+    /// Returns the text for a terminal.
     fn text(&self) -> Raises<String> {
         let files = [("results", "results.csv"), ("report", "index.html")]
             .map(|(word, name)| (word, self.out.join(name).display().to_string()));
         Ok(pages::sweep::text(&self.plan, &self.records()?, &files))
     }
 
-    /// CPU time of all runs, s.
+    /// Returns the CPU time of all runs, s.
     fn cpu_s(&self) -> Raises<f64> {
         Ok(self.records()?.iter().map(|record| record.cpu_s).sum())
     }
 }
 
 impl Sweep {
-    /// All records.
+    /// Returns all records.
     fn records(&self) -> Raises<Vec<RunRecord>> {
         let records: Option<Vec<RunRecord>> = lock(&self.records).iter().cloned().collect();
         records.ok_or_else(|| plain("this sweep has runs that are not done"))
     }
 }
 
-/// A run for a worker: number, engine, complete scene as TOML, window.
+/// Run for a worker: number, engine, complete scene as TOML, window.
 type Task = (usize, String, String, [f64; 2]);
 
-/// Makes runs that another process planned, and gives their records as JSON, without the scenes; `time_series`: the folder that
-/// they go to, and how.
+/// Runs tasks of another process, and returns their records as JSON, without the scenes; `time_series`: folder and format
+/// of the series.
 #[pyfunction]
 pub(crate) fn perform(
     py: Python<'_>,

@@ -1,4 +1,4 @@
-//! Time series as bytes that numpy takes as they are.
+//! Time series as bytes for numpy.
 
 use pinwheel::TimeSeries;
 use pinwheel::time_series::TimeSeriesError;
@@ -12,7 +12,7 @@ pub(crate) struct Columns(pub(crate) TimeSeries);
 
 #[pymethods]
 impl Columns {
-    /// Columns from what [`names`](Self::names), [`time`](Self::time) and [`values`](Self::values) gave: pickled ones.
+    /// Restores columns from [`names`](Self::names), [`time`](Self::time) and [`values`](Self::values), for pickling.
     #[new]
     fn new(names: Vec<String>, time: &[u8], values: &[u8]) -> PyResult<Self> {
         let numbers = |bytes: &[u8]| -> Vec<f64> {
@@ -30,18 +30,18 @@ impl Columns {
         Ok(Self(time_series))
     }
 
-    /// Names of the columns after the time, each ending in its unit, and in a number where there are several.
+    /// Returns the names of the columns after the time; each ends in its unit, and for several of a kind in a number.
     fn names(&self) -> Vec<&str> {
         let channels = self.0.channels().iter();
         channels.map(|channel| channel.name.as_str()).collect()
     }
 
-    /// Sample times, s: doubles of this machine.
+    /// Returns the sample times, s, as doubles of this machine.
     fn time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         bytes(py, std::iter::once(self.0.time_s()), self.0.len())
     }
 
-    /// All columns one after the other: doubles, (columns, samples).
+    /// Returns all columns in sequence as doubles, (columns, samples).
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let channels = self.0.channels();
         let count = channels.len() * self.0.len();
@@ -49,7 +49,7 @@ impl Columns {
         bytes(py, columns, count)
     }
 
-    /// The file that the program calls `courses.csv`.
+    /// Returns the content of the program's `courses.csv`.
     fn csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let mut text = Vec::new();
         let written = self.0.write_csv(&mut text);

@@ -1,5 +1,5 @@
-//! Figures as people read them: with the digits that their bounds leave them, and with these bounds. A bound is how far a figure
-//! may be off numerically, or the band of the contact laws that may be right.
+//! Figures as text, with significant digits and bounds. A bound is the numerical uncertainty, or the band of contact laws
+//! that may apply.
 
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Figure, OverMesh};
@@ -8,13 +8,13 @@ use pinwheel_timeseries::table::Table;
 use crate::format::{NONE, bounded, joined, significant};
 use crate::study::Tile;
 
-/// A number of a design.
+/// Formats a number of a design.
 #[must_use]
 pub fn number(value: f64) -> String {
     significant(value, usize::from(DIGITS))
 }
 
-/// A figure where there is room for its bounds, or the reason why it has no value.
+/// Returns a figure with its bounds for the first screen, or the reason for a missing value.
 #[must_use]
 pub fn tile(one: &Figure) -> Tile {
     let (value, bounds) = shown(one);
@@ -25,7 +25,7 @@ pub fn tile(one: &Figure) -> Tile {
     }
 }
 
-/// A value, and what bounds it: `310 to 322 by contact law; ± 0.2 numerical`, or why there is none.
+/// Returns a value and its bounds, `310 to 322 by contact law; ± 0.2 numerical`, or the reason for a missing value.
 #[must_use]
 pub fn shown(one: &Figure) -> (String, String) {
     let Some(value) = one.value else {
@@ -61,7 +61,7 @@ pub fn cell(one: &Figure) -> String {
         None => known(value, one.uncertainty, one.def.digits),
         Some(band) => {
             let shown = rounded(value, band);
-            // Beside a value rounded by more it would be wrong.
+            // The uncertainty is omitted beside a value rounded by more.
             let moved = shown.parse::<f64>();
             let moved = moved.map_or(0.0, |shown| (shown - value).abs());
             let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
@@ -77,7 +77,7 @@ pub fn cell(one: &Figure) -> String {
     format!("{shown} {off}{sampling}").trim_end().to_owned()
 }
 
-/// A value with its unit within a sentence: `479.1 ± 0.2 N`, `310 N (310 to 322 by contact law)`.
+/// Returns a value with its unit for a sentence: `479.1 ± 0.2 N`, `310 N (310 to 322 by contact law)`.
 #[must_use]
 pub fn sentence(one: &Figure) -> String {
     let unit = &one.def.unit;
@@ -90,7 +90,7 @@ pub fn sentence(one: &Figure) -> String {
     }
 }
 
-/// Rule by which a figure is counted, its values over the mesh, and why it has none.
+/// Returns the definition of a figure, its values over the mesh, and the reason for a missing value.
 #[must_use]
 pub fn how(one: &Figure) -> String {
     let mesh = one.over_mesh.map(|mesh| over_mesh(one, &mesh));
@@ -102,7 +102,7 @@ fn over_mesh(one: &Figure, mesh: &OverMesh) -> String {
     let with_off = |value: f64, off: f64| cell(&one.def.of(value, off));
     let mean = (one.value != Some(mesh.mean)).then_some(mesh.mean);
     let [least, largest] = mesh.ends;
-    // How it changes is known to more digits than how much it is.
+    // The variation has more significant digits than the value.
     if let Some(value) = one.value.filter(|_| one.band().is_some()) {
         let percent = |length: f64| 100.0 * length / value.abs();
         let off: f64 = mesh.uncertainty.iter().sum();
@@ -118,7 +118,7 @@ fn over_mesh(one: &Figure, mesh: &OverMesh) -> String {
     format!("{least} to {largest} over the mesh{mean}")
 }
 
-/// Figures with their bounds; `how`: how each is counted.
+/// Returns a table of figures with their bounds; `how`: their definitions.
 pub fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Table {
     let mut table = Table::of(caption, figures)
         .text("", "Figure", |one| &*one.def.label)
@@ -140,7 +140,7 @@ pub fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String)
         .done()
 }
 
-/// A value and its uncertainty, which may be empty: `digits` significant digits at most.
+/// Returns a value and its uncertainty, which may be empty, with at most `digits` significant digits.
 fn known(value: f64, uncertainty: Option<f64>, digits: u8) -> (String, String) {
     let (shown, off) = bounded(value, uncertainty);
     let least = 10_f64.powi(-i32::from(digits)) * value.abs();
@@ -150,7 +150,7 @@ fn known(value: f64, uncertainty: Option<f64>, digits: u8) -> (String, String) {
     }
 }
 
-/// A value with the digits that a band leaves it: no digit below a fifth of the band's width.
+/// Returns a value with the digits that a band permits: no digit below a fifth of the band's width.
 #[must_use]
 pub fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
     let width = high - low;
@@ -167,7 +167,7 @@ pub fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
     format!("{:.decimals$}", (value / unit).round() * unit)
 }
 
-/// `310 to 322`.
+/// Formats an interval, `310 to 322`.
 #[must_use]
 pub fn interval(band: [f64; 2]) -> String {
     let [low, high] = band.map(|end| rounded(end, band));

@@ -1,14 +1,14 @@
-//! Numbers as people read them: significant digits, no more than are known.
+//! Numbers as text with significant digits only.
 
-/// Text for a value that does not exist.
+/// Text for a missing value.
 pub const NONE: &str = "\u{2013}";
 
-/// A figure with five significant digits, e.g. `1.4529`, `100.42`, `-22.000`.
+/// Formats a figure with five significant digits, e.g. `1.4529`, `100.42`, `-22.000`.
 pub fn figure(value: f64) -> String {
     significant(value, 5)
 }
 
-/// `digits` significant digits; powers of ten outside 1e-3 .. 1e6.
+/// Formats `digits` significant digits; powers of ten outside 1e-3 .. 1e6.
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
@@ -25,7 +25,7 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
-/// A relative difference with two significant digits: per cent from 1e-3 on, powers of ten below.
+/// Formats a relative difference with two significant digits: per cent from 1e-3 on, powers of ten below.
 pub fn relative(value: f64) -> String {
     if value.is_finite() && value.abs() >= 1e-3 {
         format!("{}\u{202f}%", significant(100.0 * value, 2))
@@ -36,12 +36,12 @@ pub fn relative(value: f64) -> String {
     }
 }
 
-/// A relative difference that may not exist.
+/// Formats a relative difference, if any.
 pub fn relative_or_none(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), relative)
 }
 
-/// A limit: the digits it was written with, at most three, as of one that is computed.
+/// Formats a limit with its original digits, at most three.
 pub fn limit(value: f64) -> String {
     let value: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     if value >= 1e-3 {
@@ -58,7 +58,7 @@ pub fn limit(value: f64) -> String {
     }
 }
 
-/// A duration with a prefix, e.g. `10 µs`, `0.42 s`, `3.1 min`.
+/// Formats a duration with a prefix, e.g. `10 µs`, `0.42 s`, `3.1 min`.
 pub fn seconds(value: f64) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
@@ -73,7 +73,7 @@ pub fn seconds(value: f64) -> String {
     format!("{}\u{202f}{unit}", trim_zeros(&significant(scaled, 3)))
 }
 
-/// A length of any size, e.g. `1.2 nm`.
+/// Formats a length of any size, e.g. `1.2 nm`.
 pub fn metres(value: f64) -> String {
     let (scaled, unit) = match value.abs() {
         0.0 => return "0".to_owned(),
@@ -87,13 +87,13 @@ pub fn metres(value: f64) -> String {
     format!("{}\u{202f}{unit}", significant(scaled, 2))
 }
 
-/// A share in percent with its sign; what rounds to nothing has a plus.
+/// Formats a share in percent with its sign; 0 has a plus.
 pub fn signed_percent(share: f64) -> String {
     let hundredths = (1e4 * share).round() + 0.0;
     format!("{:+.2}", hundredths / 100.0)
 }
 
-/// A setting as it was meant, without the digits that binary arithmetic has added: `1e-6`, not `1.0000000000000002e-6`.
+/// Formats a setting without the digits of binary rounding: `1e-6`, not `1.0000000000000002e-6`.
 pub fn plain(value: f64) -> String {
     let meant: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     if value != 0.0 && !(1e-4..1e6).contains(&meant.abs()) {
@@ -102,8 +102,8 @@ pub fn plain(value: f64) -> String {
     minus(&meant.to_string())
 }
 
-/// A figure without digits below those of its uncertainty; below that it is 0. Returns the figure and its bound (`± 3·10⁻⁷`),
-/// which may be empty.
+/// Formats a figure without digits below those of its uncertainty; a value below the uncertainty is 0. Returns the figure
+/// and its bound (`± 3·10⁻⁷`), which may be empty.
 pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let uncertainty = uncertainty.filter(|u| u.is_finite());
     let bound = uncertainty.unwrap_or(0.0);
@@ -126,7 +126,7 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let text = if digits >= 5 {
         figure(value)
     } else if (-3..6).contains(&first) {
-        // Decimals of the uncertainty, not significant digits: rounding may add a digit in front.
+        // Decimals of the uncertainty, not significant digits: rounding may add a leading digit.
         minus(&format!("{value:.*}", (-last).max(0) as usize))
     } else {
         significant(value, digits.max(1) as usize)
@@ -134,7 +134,7 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     (text, format!("\u{b1}\u{202f}{}", significant(u, 1)))
 }
 
-/// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.
+/// Returns a readable unit for values of that size, and the factor to it: micrometres, minutes of arc.
 pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
     const ARCMIN: f64 = 60.0 * 180.0 / std::f64::consts::PI;
     let steps: &[(f64, &str, f64)] = match unit {
@@ -150,7 +150,7 @@ pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
     })
 }
 
-/// A count in groups of three.
+/// Formats a count in groups of three digits.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::new();
@@ -163,7 +163,7 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// Words one after the other.
+/// Joins words.
 pub fn joined<W: AsRef<str>>(separator: &str, words: impl IntoIterator<Item = W>) -> String {
     let mut text = String::new();
     for (k, word) in words.into_iter().enumerate() {
@@ -173,7 +173,7 @@ pub fn joined<W: AsRef<str>>(separator: &str, words: impl IntoIterator<Item = W>
     text
 }
 
-/// Without zeros at the end of the decimals.
+/// Returns the text without trailing zeros of the decimals.
 fn trim_zeros(text: &str) -> &str {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),
@@ -202,7 +202,7 @@ fn power(value: f64, digits: usize) -> String {
     }
 }
 
-/// The text of a number with a minus sign in place of its hyphen.
+/// Returns the text of a number with a minus sign for its hyphen.
 pub fn minus(text: &str) -> String {
     text.replacen('-', "\u{2212}", 1)
 }

@@ -5,7 +5,7 @@
 //!                                                        └─> terminal (facts, tables)
 //! ```
 //!
-//! [`study::render`] makes the page of any study. A page opens without a network, reads without a script (every table
+//! [`study::render`] makes the page of any study. A page opens without a network, is readable without a script (every table
 //! is plain HTML), and draws its time series with an embedded plotting library. Only [`pages`] knows studies.
 
 pub mod figure;
@@ -18,5 +18,5 @@ pub mod study;
 pub mod table;
 pub mod terminal;
 
-/// Colours of lines in the style sheet (`--line-0` ...).
+/// Number of line colours in the style sheet (`--line-0` ...).
 pub const COLOURS: usize = 16;

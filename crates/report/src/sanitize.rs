@@ -1,13 +1,13 @@
-//! Text that steers no terminal, whatever a file or a name holds.
+//! Removal of control sequences from text for terminals.
 
 use std::fmt::Write as _;
 
 use pinwheel_files::output::steers;
 
-/// Characters of a message at most: less than a screen.
+/// Largest number of characters of a message: less than a screen.
 const LONGEST: usize = 1600;
 
-/// A message without its middle, if it is longer than a screen: what is wrong comes first, the remedy last.
+/// Returns a message without its middle, if it is longer than a screen: the fault is at the start, the remedy at the end.
 #[must_use]
 pub fn shortened(message: &str) -> String {
     let count = message.chars().count();
@@ -24,8 +24,8 @@ pub fn shortened(message: &str) -> String {
     )
 }
 
-/// The text with all that would steer a terminal written out as `\u001b`, which JSON reads back; `laid_out` text
-/// keeps its line ends, tabs and colours.
+/// Returns the text with control characters written out as `\u001b`, which JSON reads back; `laid_out` text keeps its line
+/// ends, tabs and colours.
 #[must_use]
 pub fn sanitize(text: &str, laid_out: bool) -> String {
     let mut out = String::with_capacity(text.len());
@@ -47,7 +47,7 @@ pub fn sanitize(text: &str, laid_out: bool) -> String {
     out
 }
 
-/// Length of the colour sequence (`ESC [ 1 ; 31 m`) that a text begins with; 0 without one.
+/// Returns the length of a leading colour sequence (`ESC [ 1 ; 31 m`); 0 without one.
 fn colour(text: &str) -> usize {
     let Some(rest) = text.strip_prefix("\u{1b}[") else {
         return 0;

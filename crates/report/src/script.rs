@@ -1,4 +1,4 @@
-//! Data and code inside a page.
+//! Data and code in a page.
 
 use std::fmt::Write as _;
 
@@ -8,24 +8,24 @@ use pinwheel_files::output::steers;
 use serde::Serialize;
 use serde_json::json;
 
-/// Effort of the compression; more takes twice the time for a hundredth of the size.
+/// Level of compression; higher ones take twice the time for 1 % of the size.
 const LEVEL: u8 = 8;
 
-/// An element with a script.
+/// Returns an element with a script.
 #[must_use]
 pub fn code(code: &str) -> String {
     format!("<script>{code}</script>\n")
 }
 
-/// An element with data for scripts, which find it by its `id`.
+/// Returns an element with data for scripts, identified by its `id`.
 #[must_use]
 pub fn data(id: &str, value: &impl Serialize) -> String {
     let json = json_text(value);
     format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
 }
 
-/// JSON that may stand inside a script element: no character can end it or begin a comment. What steers is shown as its number,
-/// as in the rest of a page.
+/// Returns JSON for a script element: no character can end it or begin a comment. Control characters appear as numbers, as
+/// in the rest of a page.
 #[must_use]
 pub fn json_text(value: &impl Serialize) -> String {
     let json = json!(value).to_string();
@@ -41,7 +41,7 @@ pub fn json_text(value: &impl Serialize) -> String {
     safe
 }
 
-/// Bytes, deflated, as base64; `assets/packed.js` reads them.
+/// Returns deflated bytes as base64, for `assets/packed.js`.
 #[must_use]
 pub fn packed(bytes: &[u8]) -> String {
     STANDARD.encode(miniz_oxide::deflate::compress_to_vec(bytes, LEVEL))

@@ -1,4 +1,4 @@
-//! Shares of a sum as one bar, each part with its name and its share.
+//! Shares of a sum as one bar, with name and share of each part.
 
 use std::fmt::Write as _;
 

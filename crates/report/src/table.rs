@@ -1,16 +1,16 @@
-//! Text of a [`Table`] for people: headings and cells in words, for pages and terminals alike.
+//! Text of a [`Table`]: headings and cells, for pages and terminals alike.
 
 use pinwheel_timeseries::table::{Column, Mark, Shown, Table, Values};
 
 use crate::format;
 
-/// A column's heading with its unit.
+/// Returns a column's heading with its unit.
 #[must_use]
 pub fn heading(column: &Column) -> String {
     named(&column.label, &column.unit)
 }
 
-/// A name with its unit, which may be empty.
+/// Returns a name with its unit, which may be empty.
 #[must_use]
 pub fn named(label: &str, unit: &str) -> String {
     match unit {
@@ -19,7 +19,7 @@ pub fn named(label: &str, unit: &str) -> String {
     }
 }
 
-/// A cell in words: the text in place of the value, or the value with no digit beyond its uncertainty.
+/// Returns the text of a cell: the text that replaces the value, or the value with no digit beyond its uncertainty.
 #[must_use]
 pub fn words(column: &Column, row: usize) -> String {
     if let Some(said) = of_row(&column.said, row) {
@@ -35,7 +35,7 @@ pub fn words(column: &Column, row: usize) -> String {
     }
 }
 
-/// A number as people read it, with how far it may be off.
+/// Formats a number with its uncertainty.
 #[must_use]
 pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
     if let (Some(u), Shown::Digits(_) | Shown::Decimals(_) | Shown::Percent) = (uncertainty, shown)
@@ -55,7 +55,7 @@ pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
     }
 }
 
-/// Columns that people see.
+/// Returns the visible columns.
 pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
     table
         .columns
@@ -63,12 +63,12 @@ pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
         .filter(|column| !column.label.is_empty())
 }
 
-/// Entry for a row in a list beside the values.
+/// Returns the entry for a row in a list beside the values.
 pub(crate) fn of_row<T: Clone>(list: &[Option<T>], row: usize) -> Option<T> {
     list.get(row).cloned().flatten()
 }
 
-/// Mark of a cell.
+/// Returns the mark of a cell.
 pub(crate) fn mark(column: &Column, row: usize) -> Mark {
     column.marks.get(row).copied().unwrap_or_default()
 }

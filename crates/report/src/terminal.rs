@@ -1,4 +1,4 @@
-//! Text for terminals: styles, and plain tables that fit their width, aligned by characters and styled after alignment.
+//! Text for terminals: styles, and plain tables that fit the width, aligned by characters and styled after alignment.
 
 use anstyle::{AnsiColor, Style};
 use pinwheel_timeseries::table::{Column, Mark, Table};
@@ -8,34 +8,34 @@ use crate::table;
 
 /// Style of titles.
 pub const TITLE: Style = Style::new().bold();
-/// Style of verdicts that hold.
+/// Style of passed verdicts.
 pub const GOOD: Style = AnsiColor::Green.on_default();
-/// Style of verdicts that do not hold.
+/// Style of failed verdicts.
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
-/// Style of a verdict that nothing confirms.
+/// Style of unconfirmed verdicts.
 pub const OPEN: Style = AnsiColor::Yellow.on_default().bold();
 /// Style of a part that is not judged.
 pub const QUIET: Style = Style::new().dimmed();
 
-/// The text in a style, by escape sequences that a terminal's writer takes out where nobody sees colours.
+/// Returns the text in a style, with escape sequences that the output removes without a terminal.
 #[must_use]
 pub fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Parts below a title, one after the other.
+/// Joins parts below a title.
 #[must_use]
 pub fn titled<const N: usize>(title: &str, parts: [String; N]) -> String {
     format!("{}\n{}", styled(TITLE, title), parts.concat())
 }
 
-/// The text without styles, for files and pipes.
+/// Returns the text without styles, for files and pipes.
 #[must_use]
 pub fn plain(text: &str) -> String {
     anstream::adapter::strip_str(text).to_string()
 }
 
-/// One cell; figures stand on the right.
+/// Cell; figures are aligned right.
 #[derive(Debug, Clone)]
 struct Cell {
     text: String,
@@ -43,14 +43,14 @@ struct Cell {
     right: bool,
 }
 
-/// Characters of a line where no screen is known.
+/// Line length without a screen, characters.
 const USUAL: usize = 80;
-/// Widths that a table is set to: narrower ones cut words, on wider ones the eye loses the line.
+/// Widths of a table: narrower ones cut words, wider ones are hard to read.
 const WIDTHS: std::ops::RangeInclusive<usize> = 60..=120;
-/// Characters that a column of text keeps, if it has as many.
+/// Least width of a column of text, if its text is as long, characters.
 const LEAST: usize = 12;
 
-/// Characters of a line on the terminal that shows stdout, stdin or stderr; 80 where there is none.
+/// Returns the line length of the terminal at stdout, stdin or stderr; 80 without one.
 #[must_use]
 pub fn width() -> usize {
     let found = terminal_size::terminal_size();
@@ -58,19 +58,19 @@ pub fn width() -> usize {
     columns.clamp(*WIDTHS.start(), *WIDTHS.end())
 }
 
-/// Rows of cells as lines that fit the terminal, two spaces between columns; shorter rows are allowed. Text that finds no
-/// room goes on below its beginning.
+/// Returns rows of cells as lines that fit the terminal, two spaces between columns; shorter rows are allowed. Long text
+/// continues below its start.
 fn lines(rows: &[Vec<Cell>]) -> String {
     lines_within(rows, width())
 }
 
-/// [`lines`] of at most `room` characters.
+/// Like [`lines`], with at most `room` characters.
 fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
     let longest = |column: usize| of(column).map(|c| c.text.chars().count()).max();
     let mut widths: Vec<usize> = (0..columns).map(|k| longest(k).unwrap_or(0)).collect();
-    // What gives way: the text at the end of rows first, then the widest column; names are cut only where nothing else does.
+    // Order of shrinking: text at the end of rows first, then the widest column; names last.
     let word = |column: usize| {
         let words = of(column).flat_map(|cell| cell.text.split(' '));
         words.map(|word| word.chars().count()).max().unwrap_or(0)
@@ -125,7 +125,7 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     text
 }
 
-/// A table with its headings; marks are styles.
+/// Returns a table with its headings; marks become styles.
 #[must_use]
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String, style| Cell {
@@ -157,7 +157,7 @@ fn style(mark: Mark) -> Style {
     }
 }
 
-/// Words with what they stand for, one pair a line.
+/// Returns labels with their texts, one pair a line.
 #[must_use]
 pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L, T)>) -> String {
     list(
@@ -166,7 +166,7 @@ pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L
     )
 }
 
-/// Questions with their answers, each answer in the style of its mark.
+/// Returns questions with their answers, in the style of the answer's mark.
 #[must_use]
 pub fn facts(facts: &[Fact]) -> String {
     let cell = |text: &str, style| Cell {
@@ -181,7 +181,7 @@ pub fn facts(facts: &[Fact]) -> String {
     lines(&rows.collect::<Vec<_>>())
 }
 
-/// Rows of words in columns, without headings.
+/// Returns rows of words in columns, without headings.
 #[must_use]
 pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> String {
     let cell = |text| Cell {
@@ -193,20 +193,20 @@ pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> Stri
     lines(&rows.collect::<Vec<_>>())
 }
 
-/// A paragraph that fits the terminal.
+/// Returns a paragraph that fits the terminal.
 #[must_use]
 pub fn paragraph(text: &str) -> String {
     wrapped(text, width()).join("\n")
 }
 
-/// Paragraphs that fit the terminal, each with its line end.
+/// Returns paragraphs that fit the terminal, each with its line end.
 #[must_use]
 pub fn paragraphs<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
     let texts = texts.into_iter();
     texts.map(|text| paragraph(text.as_ref()) + "\n").collect()
 }
 
-/// The text in parts of at most `width` characters: broken at spaces, a longer word after a hyphen or a slash, else
+/// Returns the text in parts of at most `width` characters: broken at spaces, a longer word after a hyphen or a slash, else
 /// anywhere.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let width = width.max(1);

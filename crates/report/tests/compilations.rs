@@ -1,5 +1,4 @@
-//! Checks that costly work is done once: how often a comparison compiles its gearbox. The process counts, so this is
-//! its only test.
+//! Checks that a comparison compiles its gearbox only once. The count is that of the process, so this is its only test.
 
 use pinwheel_faults::compilations;
 use pinwheel_gearbox::Gearbox;
@@ -26,6 +25,6 @@ fn regress_a_comparison_compiles_its_gearbox_once() {
     let made = Provenance::here("pinwheel compare paper".to_owned());
     let page = pinwheel_report::pages::comparison::page(&found, &made);
     assert!(page.contains("native solver"), "the motion");
-    // Twins are other gears.
+    // Matched runs use other gears.
     assert_eq!(compilations(), 1 + found.twins.len() as u64);
 }

@@ -7,7 +7,7 @@
 //!
 //! | process | hole and pin | source of the grade |
 //! |---|---|---|
-//! | `ground`, `edm`, `milled` | H6/g5, H7/g6, H8/g7 | grades that processes hold: IT6 ground, IT7 finely eroded, IT8 milled |
+//! | `ground`, `edm`, `milled` | H6/g5, H7/g6, H8/g7 | grades of the processes: IT6 ground, IT7 finely eroded, IT8 milled |
 //! | `printed` | H12/g11 | +-0.1 to 0.2 mm of fused filament is IT12 of 10 to 30 mm |
 //!
 //! A disc's edge follows its ring pins as a hole follows a pin: an equidistant cut by that fit. Bearings have the radial clearance of
@@ -21,14 +21,14 @@ use crate::model::Gear;
 use crate::number::{nearest, rounded_down, written};
 pub(crate) use crate::uncertain::UNCERTAIN;
 
-/// A process by which discs are made.
+/// Process by which discs are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Process {
-    /// Name as typed.
+    /// Name on the command line.
     pub name: &'static str,
     /// IT grade of a hole; its pin is one grade finer.
     grade: usize,
-    /// Limits of the radial internal clearance of a bearing, um across, to each of the bores of [`BORES_MM`].
+    /// Limits of a bearing's diametral internal clearance, um, for each of the bores of [`BORES_MM`].
     clearance_um: [[f64; 2]; 7],
 }
 
@@ -57,7 +57,7 @@ pub const PROCESSES: &[Process] = &[
     process_of("printed", 12, GROUP_NORMAL),
 ];
 
-/// The process of a name.
+/// Returns the process with a name.
 #[must_use]
 pub fn process(name: &str) -> Option<&'static Process> {
     PROCESSES.iter().find(|process| process.name == name)
@@ -73,19 +73,19 @@ const IT7_UM: [f64; 13] = [
 /// Tolerance units of IT5 to IT12.
 const UNITS: [f64; 8] = [7.0, 10.0, 16.0, 25.0, 40.0, 64.0, 100.0, 160.0];
 
-/// Standard tolerance of a grade from 5 to 12 for a size, m (ISO 286-1). Sizes above 500 mm have that of 500 mm.
+/// Returns the standard tolerance of a grade from 5 to 12 for a size, m (ISO 286-1). Above 500 mm it stays that of 500 mm.
 #[must_use]
 pub fn tolerance_m(size_m: f64, grade: usize) -> f64 {
     1e-6 * row(&STEPS_MM, size_m, &IT7_UM) * UNITS[grade - 5] / UNITS[2]
 }
 
-/// Entry of the first row whose size is not below `size_m`; the last of larger ones.
+/// Returns the entry of the first row with a size of at least `size_m`; of larger ones the last.
 fn row<T: Copy>(sizes_mm: &[f64], size_m: f64, entries: &[T]) -> T {
     let place = sizes_mm.partition_point(|size| *size < 1e3 * size_m * (1.0 - 1e-9));
     entries[place.min(entries.len() - 1)]
 }
 
-/// A radial clearance: the usual one, and by how much it may be less or more, m.
+/// Radial clearance: nominal value and half-width of its interval, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Clearance {
     pub(crate) usual_m: f64,
@@ -93,7 +93,7 @@ pub(crate) struct Clearance {
 }
 
 impl Clearance {
-    /// Clearance between two limits across the diameter, m, to a tenth of a micrometre.
+    /// Returns the radial clearance between two diametral limits, m, rounded to 0.1 um.
     fn between([least, largest]: [f64; 2]) -> Self {
         let tenths = |length: f64| (1e7 * length).round() / 1e7;
         let half_m = tenths(0.25 * (largest - least));
@@ -105,7 +105,7 @@ impl Clearance {
 }
 
 impl Process {
-    /// Radial clearance of a pin of this diameter in its hole.
+    /// Returns the radial clearance of a pin of this diameter in its hole.
     pub(crate) fn fit(&self, diameter_m: f64) -> Clearance {
         let least = 2.5e-6 * (1e3 * diameter_m).powf(0.34);
         let both = [self.grade, self.grade - 1].map(|grade| tolerance_m(diameter_m, grade));
@@ -123,38 +123,38 @@ impl Process {
     }
 }
 
-/// Radius of a needle as a share of its bearing's outer raceway, how much of the way around needles take, and how much of the
+/// Radius of a needle over that of its outer raceway; share of the circumference that needles fill; their length over the
 /// disc's thickness.
 pub(crate) const NEEDLE: f64 = 0.12;
 const NEEDLES: [f64; 2] = [0.85, 0.9];
-/// Diameter of an output pin as a share of its sleeve's.
+/// Diameter of an output pin over that of its sleeve.
 const CORE: f64 = 0.7;
-/// Thickness of a disc with the gap beside it, as a share of the disc's.
+/// Distance of neighbouring discs over their thickness.
 const PITCH: f64 = 1.1;
 
-/// Needles of a bearing, which are as many in every bearing of these proportions, and their length on a disc of this thickness, m.
+/// Returns the number of needles of a bearing of these proportions and their length on a disc of this thickness, m.
 pub(crate) fn needles(face_width_m: f64) -> (f64, f64) {
     let [around, along] = NEEDLES;
     let count = (around * PI * (1.0 - NEEDLE) / NEEDLE).floor();
     (count, rounded_down(along * face_width_m))
 }
 
-/// Data of a catalogue that a gear as built follows from.
+/// Catalogue data that determine a gear as built.
 pub(crate) struct Basis {
     pub(crate) process: &'static Process,
     /// Young's modulus of the pins, Pa.
     pub(crate) pin_young_pa: f64,
-    /// Discs are of plastic and run dry.
+    /// True if discs are of plastic and run dry.
     pub(crate) is_plastic: bool,
     pub(crate) friction_coefficient: Option<f64>,
-    /// Backlash of the ring pins is given.
+    /// True if the backlash of the ring pins is given.
     pub(crate) has_backlash: bool,
     pub(crate) cranks: Option<usize>,
     pub(crate) torque_n_m: f64,
 }
 
 impl Basis {
-    /// Lines of a gear as built, `key = value # reason`, and the halves of the intervals of its clearances.
+    /// Returns the lines of a gear as built, `key = value # reason`, and the half-widths of its clearances.
     pub(crate) fn lines(&self, gear: &Gear) -> String {
         let m = written;
         let face = gear.face_width_m.unwrap_or_default();
@@ -204,7 +204,7 @@ impl Basis {
             );
         }
         if let Some(cranks) = self.cranks {
-            // Two such bearings hold a crank beside the discs; the rated force between them bends it.
+            // Two such bearings support a crank beside the discs; the rated force between them bends it.
             let force_n = self.torque_n_m.abs() / (cranks as f64 * gear.internal_circle_radius_m);
             let (stiffness, exponent) = of_rollers(2.0 * rollers, length);
             let approach = (force_n / stiffness).powf(1.0 / exponent);
@@ -249,7 +249,7 @@ impl Basis {
     }
 }
 
-/// Lines of the halves of intervals.
+/// Returns the lines of half-widths.
 fn toleranced(fits: &[(&str, Clearance)]) -> String {
     let line = |(key, Clearance { usual_m, half_m }): &(&str, Clearance)| {
         let [least, largest] =
@@ -262,14 +262,14 @@ fn toleranced(fits: &[(&str, Clearance)]) -> String {
     fits.iter().map(line).collect()
 }
 
-/// Keys of the lines that are suggested.
+/// Returns the keys of the suggested lines.
 pub(crate) fn suggested(lines: &str) -> impl Iterator<Item = String> {
     let keys = lines.lines().filter_map(|line| line.split(" = ").next());
     keys.filter(|key| !key.starts_with(UNCERTAIN))
         .map(str::to_owned)
 }
 
-/// Lines of a section; with its head if `is_new` and there are any.
+/// Returns the lines of a section; with its header if `is_new` and there are any.
 pub(crate) fn section(lines: &str, name: &str, is_new: bool) -> String {
     let mark = if name == UNCERTAIN { "" } else { "suggested: " };
     let mut text = String::new();

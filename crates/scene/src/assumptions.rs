@@ -1,4 +1,4 @@
-//! Assumptions of a scene that its source does not state. Shown in every report.
+//! Assumptions of a scene that its source does not state; part of every report.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,20 +11,20 @@ use crate::keys::{Key, key};
 use crate::model::{Detection, Formulation, FrictionLaw, Gear, Scene};
 use crate::number::short;
 
-/// A value that had to be assumed.
+/// Assumed value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Assumption {
-    /// The key it concerns.
+    /// Key of the value.
     pub key: String,
     /// Value in this scene, with unit.
     pub value: String,
-    /// Why this value, and what contradicts or supports it.
+    /// Reason for the value, with evidence for and against it.
     pub reason: String,
 }
 
-/// The assumptions behind a scene: what is hard to believe, the base it takes values from, every value that was filled in, with its formula or
-/// the reason why it is usual, and what the published gear's source leaves open (the dimensions of its missing Fig. 3,
-/// the friction coefficient, Tab. 2's moments of inertia).
+/// Returns the assumptions behind a scene: doubtful values, its base, every value that was filled in with its formula or
+/// reason, and the gaps in the published gear's source (dimensions of its missing Fig. 3, friction coefficient, moments of
+/// inertia of Tab. 2).
 #[must_use]
 pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     let gear = &scene.gear;
@@ -93,7 +93,8 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     list
 }
 
-/// True if anything in this scene depends on a key: of laws, friction and detection only what they read.
+/// True if a result of this scene may depend on a key; false for parameters of other laws, of friction and of points that
+/// it does not use.
 fn is_used(scene: &Scene, key: &str) -> bool {
     let contact = &scene.contact;
     let has_friction = contact.friction_coefficient > 0.0;
@@ -112,8 +113,8 @@ fn is_used(scene: &Scene, key: &str) -> bool {
     }
 }
 
-/// Assumptions for keys that the scene's file does not write: one entry for all that comes from its base, one a key for
-/// the rest.
+/// Returns assumptions for keys that the scene's file does not write: one entry for all values of its base, one for each
+/// other key.
 fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
     let mut list: Vec<Assumption> = Vec::new();
     let mut inherited: Vec<(&str, Vec<&str>)> = Vec::new();

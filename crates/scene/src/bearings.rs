@@ -1,4 +1,4 @@
-//! The bearing between an eccentric and its disc.
+//! Bearing between an eccentric and its disc.
 //!
 //! ```text
 //! d = r_wheel - C,  C = e u(phi + phi_i)      F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the eccentric, at the disc's centre
@@ -17,15 +17,15 @@ use crate::springs::wheel_torque_n_m;
 pub const SLOW_RAD_S: f64 = 1.0;
 /// Length of the damping ramp over the elastic offset under the largest load.
 const RAMP_SHARE: f64 = 0.1;
-/// The exponent of Palmgren's rollers.
+/// Exponent of Palmgren's law for rollers.
 const ROLLERS: f64 = 10.0 / 9.0;
 
-/// A bearing's force as a function of its offset.
+/// Force law of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingLaw {
     /// K, N/m^p.
     pub stiffness: f64,
-    /// p
+    /// Exponent p.
     pub exponent: f64,
     /// g, m.
     pub clearance_m: f64,
@@ -37,7 +37,8 @@ pub struct BearingLaw {
     pub drag_m: f64,
 }
 
-/// Stiffness K, N/m^p, and exponent p of a bearing with so many rollers of this length, after Palmgren.
+/// Returns the stiffness K, N/m^p, and the exponent p of a bearing with this number and length (m) of rollers, after
+/// Palmgren.
 pub(crate) fn of_rollers(rollers: f64, length_m: f64) -> (f64, f64) {
     // F(delta), delta in m.
     let per_metre = 1e3 * (1e3 * length_m).powf(0.8) / 7.68e-5;
@@ -51,9 +52,9 @@ impl Bearings {
 }
 
 impl Scene {
-    /// Returns the friction of sleeves of ring and of output pins as a share of the force on them: mu d/(2 r), or that of the contact
-    /// if it is stated and less; 0 of pins that are held. `None`: sleeves have no friction. A roller thinner than the bore d
-    /// turns in a groove and rubs on its own diameter, so that this is mu at most.
+    /// Returns the friction of the sleeves of ring and of output pins as a share of the force on them: mu d/(2 r), or the
+    /// contact's coefficient if that is stated and smaller; 0 for pins that do not turn. `None`: sleeves without friction.
+    /// A roller thinner than the bore d turns in a groove and rubs on its own diameter, so the share is at most mu.
     #[must_use]
     pub fn sleeve_drag(&self) -> Option<[f64; 2]> {
         let (bearings, contact) = (&self.bearings, self.contact.friction_coefficient);
@@ -69,7 +70,7 @@ impl Scene {
         })
     }
 
-    /// True if anything rubs, so that more is lost than by the contacts' damping.
+    /// True if there is any friction, so that losses exceed those of the contacts' damping.
     ///
     /// ```
     /// let mut scene = pinwheel_scene::Scene::paper();
@@ -82,8 +83,8 @@ impl Scene {
         self.rubbing().contains(&true)
     }
 
-    /// Flags of ring and of output pins that are sleeves with a stated friction on their pins. The smaller of both frictions
-    /// holds at their contacts.
+    /// Returns flags of ring and of output pins that are sleeves with a stated friction on their pins. The smaller of both
+    /// frictions acts at their contacts.
     #[must_use]
     pub fn rolling(&self) -> [bool; 2] {
         let rolls = self.bearings.sleeve_friction_coefficient.is_some();
@@ -91,7 +92,7 @@ impl Scene {
         [gear.external_sleeves_turn, gear.internal_sleeves_turn].map(|turns| turns && rolls)
     }
 
-    /// Coefficients of friction at the contacts of ring and of output pins on which discs slide; 0 where sleeves are
+    /// Returns the coefficients of friction at the contacts of ring and of output pins with discs; 0 if sleeves are
     /// [rolling](Self::rolling), and without pins.
     ///
     /// ```
@@ -110,13 +111,13 @@ impl Scene {
         [0, 1].map(|kind| if slides(kind) { coefficient } else { 0.0 })
     }
 
-    /// True if discs slide on pins with friction: the contacts' forces then depend on sliding speeds steeply.
+    /// True if discs slide on pins with friction, so that the contact forces depend steeply on sliding speeds.
     #[must_use]
     pub fn slides(&self) -> bool {
         self.sliding() != [0.0; 2]
     }
 
-    /// Flags, in this order, of friction in a run at contacts, bearings, sleeves on their pins and seals.
+    /// Returns flags of friction, in this order, at contacts, bearings, sleeves on their pins and seals.
     #[must_use]
     pub fn rubbing(&self) -> [bool; 4] {
         let bearings = &self.bearings;
@@ -137,8 +138,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// Basic static and dynamic ratings of the bearing that carries a disc, N, by its rollers and the bore they run in; `None`
-    /// where these are not stated.
+    /// Returns the basic static and dynamic ratings of the bearing that carries a disc, N, from its rollers and their bore;
+    /// `None` if these are not stated.
     ///
     /// ISO 76: C0 = 44 (1 - g) Z L D with g = D/(pitch diameter), N and mm, which is 4000 MPa under a roller's 5 F/Z. ISO 281:
     /// C = f L^(7/9) Z^(3/4) D^(29/27), f by the formula of its table 7 (ISO/TR 1281-1), raceways as those of drawn cups.
@@ -163,12 +164,12 @@ impl Scene {
 }
 
 impl EccentricBearing {
-    /// Share of critical damping of a disc on its bearing under the largest load, where no damping is given.
+    /// Share of critical damping of a disc on its bearing under the largest load if no damping is given.
     pub const DAMPING_SHARE: f64 = 0.05;
 }
 
 impl BearingLaw {
-    /// Law of a scene whose discs float; `None`: eccentrics hold them rigidly.
+    /// Returns the law of a scene with floating discs; `None` for rigid eccentrics.
     #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let bearing = scene.bearings.eccentric?;
@@ -198,7 +199,7 @@ impl BearingLaw {
         Some(law)
     }
 
-    /// Law of a bearing whose deflection under a force is `share` of this one's, with `of_clearance` times its clearance.
+    /// Returns the law of a bearing with `share` times the deflection under a force and `of_clearance` times the clearance.
     #[must_use]
     pub fn share(&self, share: f64, of_clearance: f64) -> Self {
         Self {
@@ -208,7 +209,7 @@ impl BearingLaw {
         }
     }
 
-    /// Force at rest at an offset beyond the clearance, N.
+    /// Returns the force at rest at an offset beyond the clearance, N.
     #[must_use]
     #[inline]
     pub fn elastic<R: Real>(&self, beyond: R) -> R {
@@ -220,8 +221,8 @@ impl BearingLaw {
         }
     }
 
-    /// Force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0. Damping sets in over the
-    /// ramp, so that no force jumps where rollers touch.
+    /// Returns the force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0. Damping
+    /// rises over the ramp, so that the force does not jump at first contact.
     #[must_use]
     #[inline]
     pub fn force<S: Scalar>(&self, offset: S, rate: S) -> S {
@@ -234,7 +235,8 @@ impl BearingLaw {
         (self.elastic(beyond) + damping * rate).max(c(0.0))
     }
 
-    /// Moment of the friction on the disc, N m, under a force (N) while the disc turns at `rate` rad/s against its eccentric.
+    /// Returns the moment of friction on the disc, N m, under a force (N) while the disc turns at `rate` rad/s relative to
+    /// its eccentric.
     #[must_use]
     #[inline]
     pub fn drag<R: Real>(&self, force: R, rate: R) -> R {
@@ -243,28 +245,28 @@ impl BearingLaw {
         c(-self.drag_m) * force * share
     }
 
-    /// Energy stored at an offset, J.
+    /// Returns the stored energy at an offset, J.
     #[must_use]
     pub fn stored(&self, offset: f64) -> f64 {
         let beyond = (offset - self.clearance_m).max(0.0);
         self.elastic(beyond) * beyond / (self.exponent + 1.0)
     }
 
-    /// Offset under a force, m.
+    /// Returns the offset under a force, m.
     #[must_use]
     pub fn offset_under(&self, force: f64) -> f64 {
         self.clearance_m + (force / self.stiffness).powf(1.0 / self.exponent)
     }
 
-    /// dF/d offset under a force, N/m.
+    /// Returns dF/d offset under a force, N/m.
     #[must_use]
     pub fn slope_under(&self, force: f64) -> f64 {
         self.exponent * force / (self.offset_under(force) - self.clearance_m)
     }
 }
 
-/// Load of a bearing under the largest load, N: about the load on one disc over the lever of its lobes; of cranks its
-/// share, and the force that turns the output.
+/// Returns the load of a bearing under the largest load, N: about the load on one disc over the lever of its lobes; for a
+/// crank its share of it, and of the force that turns the output.
 #[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
     let torque = wheel_torque_n_m(scene);
@@ -274,7 +276,7 @@ pub fn typical_force(scene: &Scene) -> f64 {
     })
 }
 
-/// Checks keys that belong together.
+/// Checks keys that depend on each other.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let sleeve = &scene.bearings;
     if sleeve.sleeve_friction_coefficient.is_some() != sleeve.sleeve_bore_m.is_some() {

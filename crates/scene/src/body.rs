@@ -1,11 +1,11 @@
-//! Masses of bodies from the gear's shapes: what stands in for [mass] where a scene does not give it.
+//! Masses of bodies from the gear's shapes, for scenes without them in [mass].
 
 use std::f64::consts::PI;
 
 use crate::model::Gear;
 use crate::profile::Profile;
 
-/// A flat body: area, m^2, and polar second moment of that area about its centre, m^4.
+/// Flat body: area, m^2, and its polar second moment about its centre, m^4.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape {
     /// Area, m^2.
@@ -15,7 +15,7 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// A disc.
+    /// Returns a circular disc.
     pub fn disc(radius_m: f64) -> Self {
         let area_m2 = PI * radius_m * radius_m;
         Self {
@@ -24,12 +24,12 @@ impl Shape {
         }
     }
 
-    /// Square of the radius of gyration, m^2.
+    /// Returns the square of the radius of gyration, m^2.
     pub(crate) fn gyration_m2(self) -> f64 {
         self.polar_m4 / self.area_m2
     }
 
-    /// A disc: the area inside its profile less its holes and its bore.
+    /// Returns a cycloidal disc: the area inside its profile less its holes and its bore.
     pub(crate) fn wheel(gear: &Gear) -> Self {
         let profile = Self::profile(gear);
         let hole = Self::disc(gear.hole_radius_m);
@@ -44,8 +44,9 @@ impl Shape {
         }
     }
 
-    /// Inside the profile P(a) = C - q n: 1/2 and 1/4 of the integrals of (x dy - y dx) and of r^2 times it. The
-    /// integrand is smooth, and has the period of a lobe, so equal steps over one converge faster than any power of their number.
+    /// Returns the area inside the profile P(a) = C - q n: 1/2 and 1/4 of the integrals of (x dy - y dx) and of r^2 times
+    /// it. The integrand is smooth with the period of a lobe, so the error of equal steps falls faster than any power of
+    /// their number.
     pub fn profile(gear: &Gear) -> Self {
         let curve = Profile::of(gear);
         let lobes = gear.lobes() as f64;
@@ -67,7 +68,8 @@ impl Shape {
     }
 }
 
-/// Radius of a disc's bore for the bearing on its eccentric, m: 0.6 of what the holes leave free, where none is stated.
+/// Returns the bore radius of a disc for the bearing on its eccentric, m; without a stated one 0.6 of the radius inside the
+/// holes.
 #[must_use]
 pub fn bore_radius_m(gear: &Gear) -> f64 {
     let free = (gear.internal_circle_radius_m - gear.hole_radius_m).max(0.0);

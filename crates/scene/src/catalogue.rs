@@ -1,12 +1,13 @@
-//! From the data of a catalogue to a scene: what a data sheet gives, what is suggested for the rest, and what it leaves.
+//! Scenes from catalogue data, with suggestions for dimensions that a data sheet lacks.
 //!
 //! ```text
 //!  catalogue ─> dimensions, each given or suggested ─> text of a scene with comments ─> checked like any other scene
 //! ```
 //!
-//! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less where the pins would undercut the disc:
+//! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less if the pins would undercut the disc:
 //! high values carry more and bend the profile sharply. Pins leave a third of their pitch free. Holes leave walls of a
-//! tenth of their radius, and of 3 % of the pin circle's diameter between them, and the largest pins that fit are taken. They are where a design starts, not where it ends.
+//! tenth of their radius, and of 3 % of the pin circle's diameter between them, and the largest pins that fit are taken.
+//! They are a start for a design, not its result.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -23,41 +24,41 @@ use crate::profile::Profile;
 
 pub use crate::materials::{MATERIALS, Material, material};
 
-/// The data of a catalogue. Lengths are diameters, as catalogues give them; what is `None` is suggested.
+/// Catalogue data. Lengths are diameters, as in catalogues; `None` is replaced by a suggestion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue {
     /// Name of the scene.
     pub name: String,
-    /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear 1 + zk planet/sun, in the digits
-    /// of its catalogue.
+    /// Input turns per output turn with a fixed housing: the number of lobes, and of an RV gear 1 + zk planet/sun, in the
+    /// digits of its catalogue.
     pub ratio: f64,
-    /// Cranks of an RV gear; `None`: one eccentric and output pins.
+    /// Number of cranks of an RV gear; `None`: one eccentric and output pins.
     pub cranks: Option<usize>,
-    /// Circle of the pins (ring pins), m.
+    /// Diameter of the ring pins' circle, m.
     pub pin_circle_diameter_m: f64,
     /// Rated torque of the output, N m.
     pub torque_n_m: f64,
     /// Rated speed of the input, rad/s.
     pub speed_rad_s: f64,
-    /// Material of the discs, by whose density all masses are.
+    /// Material of the discs; its density gives all masses.
     pub material: Material,
-    /// Material of the pins; `None`: steel, or of an ideal gear that of the discs.
+    /// Material of the pins; `None`: steel, or of an ideal gear the material of the discs.
     pub pin_material: Option<Material>,
-    /// Process by which discs are made; `None`: the usual one of the material.
+    /// Process by which discs are made; `None`: the usual one for the material.
     pub process: Option<&'static Process>,
-    /// Suggest no clearances, bearings, friction and bending.
+    /// True for no suggestions of clearances, bearings, friction and bending.
     pub ideal: bool,
-    /// Pin, m.
+    /// Diameter of a ring pin, m.
     pub pin_diameter_m: Option<f64>,
     /// Eccentricity, m.
     pub eccentricity_m: Option<f64>,
-    /// Cycloidal discs.
+    /// Number of discs.
     pub wheels: Option<usize>,
-    /// Output pins (output pins).
+    /// Number of output pins.
     pub output_pins: Option<usize>,
-    /// Output pin, m.
+    /// Diameter of an output pin, m.
     pub output_pin_diameter_m: Option<f64>,
-    /// Circle of the output pins, m.
+    /// Diameter of the output pins' circle, m.
     pub output_circle_diameter_m: Option<f64>,
     /// Thickness of a disc, m.
     pub face_width_m: Option<f64>,
@@ -67,21 +68,21 @@ pub struct Catalogue {
     pub friction_coefficient: Option<f64>,
 }
 
-/// A scene made of a catalogue's data.
+/// Scene drafted from catalogue data.
 #[derive(Debug, Clone)]
 pub struct Draft {
-    /// The scene as a file, with a comment for every line.
+    /// Text of the scene file, with a comment for every line.
     pub text: String,
-    /// The scene that the file gives, checked.
+    /// Checked scene of the text.
     pub scene: CheckedScene,
-    /// Keys that were suggested, not given.
+    /// Keys with suggested values.
     pub suggested: Vec<String>,
-    /// Toleranced keys, a line each; empty of an ideal gear.
+    /// Toleranced keys, one a line; empty for an ideal gear.
     pub toleranced: String,
 }
 
 impl Draft {
-    /// Study of the tolerances of the draft, whose file is `scene`; `None` of an ideal gear.
+    /// Returns a study of the draft's tolerances for the scene file `scene`; `None` for an ideal gear.
     #[must_use]
     pub fn study(&self, scene: &str) -> Option<String> {
         (!self.toleranced.is_empty()).then(|| {
@@ -96,10 +97,10 @@ impl Draft {
     }
 }
 
-/// Gears of the study of tolerances.
+/// Number of gears in the study of tolerances.
 const STUDY: usize = 64;
 
-/// Names of keys where a catalogue's data is typed, in the units of catalogues.
+/// Keys and the names of their catalogue data on the command line, in the units of catalogues.
 pub const ARGUMENTS: &[(&str, &str)] = &[
     ("gear.pin_circle_radius_m", "pin_circle_diameter_mm"),
     ("gear.shortening", "pin_circle_diameter_mm"),
@@ -120,27 +121,26 @@ pub const ARGUMENTS: &[(&str, &str)] = &[
 
 /// Young's modulus below which a disc is of plastic, Pa.
 const PLASTIC_PA: f64 = 2e10;
-/// Bound of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
+/// Lower bound of a pin circle, m; smaller values were probably typed in metres instead of millimetres.
 const IN_METRES: f64 = 3e-3;
-/// Shortening coefficient that is suggested, and the least one.
+/// Suggested shortening coefficient, and the least one.
 const SHORTENING: [f64; 2] = [0.65, 0.35];
-/// Largest pin as a share of half the pitch, and of the radius at which the disc is undercut.
+/// Largest ring pin over half the pitch, and over the radius that undercuts the disc.
 const PIN: [f64; 2] = [0.65, 0.8];
-/// Wall beside a hole as a share of its radius, at the least, and between two holes as a share of R.
+/// Least wall beside a hole over its radius, and between two holes over R.
 const WALL: f64 = 0.1;
 const BETWEEN: f64 = 0.06;
-/// Circle of the output pins as a share of the pits' radius that is tried first.
+/// Circle of the output pins over the pits' radius, first trial.
 const CIRCLE: f64 = 0.62;
-/// Largest hole as a share of its circle: the rest is for the eccentric's bearing.
+/// Largest hole over its circle, which leaves room for the eccentric's bearing.
 const INWARDS: f64 = 0.45;
 /// Ratio of one stage above which the file says that it is one.
 pub const MANY: f64 = 60.0;
 /// Numbers of output pins in the order they are tried.
 const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
-/// Face width as a share of R.
+/// Face width over R.
 const FACE: f64 = 0.15;
-/// For RV gears: the number of pins that is tried first, with the least and the most; then teeth of a sun; then planet
-/// over sun.
+/// Numbers for RV gears. Pins: first trial, least and most; then the teeth of a sun; then planet over sun.
 const RV_PINS: [usize; 3] = [40, 20, 80];
 const SUN: RangeInclusive<usize> = 12..=30;
 const TEETH: RangeInclusive<usize> = 1..=6;
@@ -153,17 +153,17 @@ const OF_CRANKS: [&str; 6] = [
     "bearings.eccentric.roller_length_m",
     "bearings.eccentric.roller_diameter_m",
 ];
-/// Largest bore for a crank as a share of the cranks' circle.
+/// Largest bore for a crank over the cranks' circle.
 const BORE: f64 = 0.3;
 
 const LEFT_OUT: &str = "# Left out: torsion of carrier, case and flanges, discs that bend, main bearings, backlash of the first stage. They make\n\
                         # most of a real RV gear's compliance; `pinwheel design --stated-stiffness-n-m-arcmin` says how much is missing.\n";
 
-/// Pins, teeth of the sun and of a planet.
+/// Numbers of pins and of teeth of sun and planet.
 type FirstStage = [usize; 3];
 
-/// Returns the first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is
-/// none. A ratio with decimals is met within one unit of the last: catalogues round 1347/7 to 192.42.
+/// Returns the first stage of an RV gear of a ratio, with nearly the usual number of pins; `None` if there is none. A ratio
+/// with decimals is met within one unit of the last: catalogues round 1347/7 to 192.42.
 #[doc(hidden)]
 pub fn first_stage(ratio: f64) -> Option<FirstStage> {
     let digits = ratio.to_string();
@@ -194,10 +194,10 @@ pub fn first_stage(ratio: f64) -> Option<FirstStage> {
 }
 
 impl Catalogue {
-    /// Drafts a scene from the catalogue data; dimensions that are left open are suggested.
+    /// Drafts a scene from the catalogue data, with suggestions for missing dimensions.
     ///
     /// # Errors
-    /// Dimensions that cannot be built, or leave no room for those to be suggested; the message names the dimension.
+    /// Dimensions that cannot be built, or leave no room for suggested ones; the message names the dimension.
     pub fn draft(&self) -> Result<Draft, Fault> {
         if self.cranks.is_some() && self.output_pins.is_some() {
             return Err(Fault::new(
@@ -209,7 +209,7 @@ impl Catalogue {
         self.attempt().map_err(|fault| self.blamed(fault))
     }
 
-    /// The fault as that of what is given and does not go with the rest: left out, all would be well.
+    /// Converts a fault to one of the given dimension, or the two, without which the draft succeeds.
     fn blamed(&self, fault: Fault) -> Fault {
         let metres = Self {
             pin_circle_diameter_m: 1e3 * self.pin_circle_diameter_m,
@@ -281,7 +281,7 @@ impl Catalogue {
         fault
     }
 
-    /// Given values that could be left out: the key, its value as one types it in thousandths, and the rest.
+    /// Returns given values that can be omitted: key, value in metres or a thousandth of a count, and the data without it.
     fn without_one(&self) -> Vec<(&'static str, f64, Self)> {
         let mut all = Vec::new();
         macro_rules! each {
@@ -330,7 +330,7 @@ impl Catalogue {
         })
     }
 
-    /// Process of the discs: the one given, or the usual one of the material; `None` of an ideal gear.
+    /// Returns the given process of the discs, or the usual one for the material; `None` for an ideal gear.
     fn process(&self) -> Option<&'static Process> {
         let usual = match self.material.name {
             "pla" | "nylon" => "printed",
@@ -341,7 +341,7 @@ impl Catalogue {
         process.filter(|_| !self.ideal)
     }
 
-    /// Material of the pins: the one given, or steel; of an ideal gear that of the discs.
+    /// Returns the given material of the pins, or steel; of an ideal gear that of the discs.
     fn pins(&self) -> Material {
         let usual = if self.ideal {
             self.material
@@ -351,7 +351,7 @@ impl Catalogue {
         self.pin_material.unwrap_or(usual)
     }
 
-    /// Lines of a gear as built; none of an ideal gear.
+    /// Returns the lines of a gear as built; empty for an ideal gear.
     fn as_built(&self, gear: &Gear) -> String {
         let basis = self.process().map(|process| Basis {
             process,
@@ -468,7 +468,7 @@ impl Catalogue {
         Ok((gear, suggested))
     }
 
-    /// Output pins, their circle and the holes: what is given, and the largest that fits for what is not.
+    /// Sets output pins, their circle and the holes: the given values, else the largest that fit.
     fn output_stage(
         &self,
         gear: &mut Gear,
@@ -480,7 +480,7 @@ impl Catalogue {
         let inwards = if self.cranks.is_some() { BORE } else { INWARDS };
         let circles: Vec<f64> = match self.output_circle_diameter_m {
             Some(diameter) => vec![0.5 * diameter],
-            // From the usual one outwards on both sides.
+            // Trials go outwards from the usual value to both sides.
             None => (0..=20)
                 .map(|k| {
                     CIRCLE + 0.01 * f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 }
@@ -502,7 +502,7 @@ impl Catalogue {
                     Some(pin) => 0.5 * pin,
                     None => 0.5 * rounded_down(2.0 * (most - e - play(most))),
                 };
-                // Output pins that are given in full are judged by the checks of the scene.
+                // The scene's checks judge output pins that are given completely.
                 let given = self.output_pin_diameter_m.is_some()
                     && self.output_circle_diameter_m.is_some()
                     && self.output_pins.is_some();
@@ -553,7 +553,7 @@ impl Catalogue {
         Ok(())
     }
 
-    /// The scene's file.
+    /// Returns the text of the scene file.
     fn write(&self, gear: &Gear, suggested: &[&str], as_built: &str) -> String {
         let mut text = format!(
             "# A gear of ratio {} for {} N m at {} rpm of the input, in SI units. Lines marked `suggested` were not given.\n\
@@ -611,7 +611,7 @@ impl Catalogue {
             text.push_str(&section(as_built, "gear", false));
             let bore = gear.hole_radius_m;
             let (needles, length) = needles(gear.face_width_m.unwrap_or_default());
-            // What an ideal gear leaves out stands there as a remark.
+            // Parts that an ideal gear omits are a remark.
             let [supports, play] = match as_built.is_empty() {
                 true => [
                     "# support_stiffness_n_m = 5e8                # of what holds a crank in the output; rigid as long as it is left out\n",
@@ -703,7 +703,7 @@ impl Catalogue {
     }
 }
 
-/// Returns the text with a last remark: the masses that follow from the shapes, and the walls.
+/// Returns the text with a final remark on masses, which follow from the shapes, and walls.
 fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
     let mass = &scene.mass;
     let _ = writeln!(

@@ -11,8 +11,8 @@ use crate::error::Fault;
 use crate::model::{Scene, Solver};
 use crate::table::{insert, lookup};
 
-/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and can be changed only through
-/// [`changed`](Self::changed), which checks again.
+/// Scene that passed [`Scene::check`]. It reads like the [`Scene`] inside, and only [`changed`](Self::changed), which
+/// checks again, changes it.
 ///
 /// ```
 /// use pinwheel_scene::Scene;
@@ -31,10 +31,10 @@ pub struct CheckedScene {
     origins: Arc<[Origin]>,
 }
 
-/// A value that the file itself does not write.
+/// Value that the file itself does not write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Origin {
-    /// The key.
+    /// Key of the value.
     pub key: &'static str,
     /// Value of the key.
     pub value: Value,
@@ -45,16 +45,16 @@ pub struct Origin {
 /// Source of a value that the file itself does not write.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
-    /// From the scene that the file names as its base.
+    /// Scene that the file names as its base.
     Base(String),
-    /// A usual value, and why.
+    /// Usual value, with its reason.
     Constant(&'static str),
-    /// Formula from which the value follows.
+    /// Formula for the value.
     Formula(&'static str),
 }
 
 impl Source {
-    /// Returns the source in words, `from the base paper`.
+    /// Returns the source as text, `from the base paper`.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -65,7 +65,7 @@ impl Source {
     }
 }
 
-/// Scenes are the same whatever their values come from.
+/// Equality ignores the sources of values.
 impl PartialEq for CheckedScene {
     fn eq(&self, other: &Self) -> bool {
         self.scene == other.scene
@@ -76,7 +76,7 @@ impl Scene {
     /// Checks every value, each alone and then together.
     ///
     /// # Errors
-    /// The first fault: its keys, what is wrong and the remedy.
+    /// First fault: its keys, description and remedy.
     pub fn check(self) -> Result<CheckedScene, Fault> {
         check::check(&self)?;
         Ok(CheckedScene::unchecked(self))
@@ -87,15 +87,15 @@ impl CheckedScene {
     /// Returns a copy with changes, checked again.
     ///
     /// # Errors
-    /// As [`Scene::check`].
+    /// Errors of [`Scene::check`].
     pub fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<Self, Fault> {
         self.changed_within(change, check::check)
     }
 
-    /// Returns a copy with other settings of the solver. Only these are checked, alone and with the values that they depend on.
+    /// Returns a copy with other solver settings. Checks only these, alone and with the values that they depend on.
     ///
     /// # Errors
-    /// As [`Scene::check`].
+    /// Errors of [`Scene::check`].
     pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
         self.changed_within(|scene| change(&mut scene.solver), check::solver)
     }
@@ -113,17 +113,17 @@ impl CheckedScene {
         Ok(changed)
     }
 
-    /// Returns the number at a key, if it holds one.
+    /// Returns the number at a key, `None` for other values.
     #[must_use]
     pub fn number(&self, key: &str) -> Option<f64> {
         let table = Table::try_from(&self.scene).ok()?;
         lookup(&table, key).and_then(Value::as_float)
     }
 
-    /// Returns the scene with another value of a number, which is not uncertain, checked again.
+    /// Returns the scene with another value of a number, without its uncertainty, checked again.
     ///
     /// # Errors
-    /// A key that holds no number here, or a value that the scene's checks refuse.
+    /// A key without a number, or a value that the scene's checks refuse.
     pub fn with_number(&self, key: &str, value: f64) -> Result<Self, Fault> {
         let fault = |what: String| Fault {
             keys: vec![key.to_owned().into()],
@@ -145,7 +145,7 @@ impl CheckedScene {
         })
     }
 
-    /// A scene each of whose values is known to be in range, and where values come from.
+    /// Checks a scene whose single values are in range, and stores the origins of its values.
     pub(crate) fn together(scene: Scene, origins: Vec<Origin>) -> Result<Self, Fault> {
         // m follows from R alone.
         let gives_circle = origins.iter().any(|origin| origin.key == "gear.shortening");
@@ -154,8 +154,8 @@ impl CheckedScene {
         Ok(Self { scene, origins })
     }
 
-    /// Returns the values that the scene's file does not write, each with its origin, in the order of [`crate::KEYS`].
-    /// Values that a later change has replaced are not listed.
+    /// Returns the origins of values that the scene's file does not write, in the order of [`crate::KEYS`], except values
+    /// that a later change has replaced.
     #[must_use]
     pub fn origins(&self) -> Vec<&Origin> {
         let now = Table::try_from(&self.scene).unwrap_or_default();
@@ -163,14 +163,14 @@ impl CheckedScene {
         self.origins.iter().filter(holds).collect()
     }
 
-    /// Returns the scene alone, free to be changed.
+    /// Returns the unchecked scene, which may be changed.
     #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene
     }
 
-    /// Lets a scene pass that the checks refuse: for studies of published models, whose point is a value that no sound
-    /// scene has (negative damping), and for tests of kernels. Whoever calls it answers for the end of the run.
+    /// Accepts a scene that the checks refuse, for studies of published models with unphysical values (negative damping)
+    /// and for tests of kernels. The caller is responsible for a run that ends.
     #[must_use]
     pub fn unchecked(scene: Scene) -> Self {
         Self {

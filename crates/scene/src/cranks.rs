@@ -1,13 +1,13 @@
-//! RV reducers: cranks in the place of one eccentric and of the output pins.
+//! RV reducers: cranks in place of one eccentric and of the output pins.
 //!
-//! A sun on the input drives planets, each on a crank; the cranks stand in the output and carry the discs. With phi the
-//! input's angle, psi the output's and rho = z_sun/z_planet a crank turns by
+//! A sun on the input drives planets, each on a crank; the cranks are mounted in the output and carry the discs. With phi
+//! the input's angle, psi the output's and rho = z_sun/z_planet a crank turns by
 //!
 //! ```text
 //! gamma = (1 + rho) psi - rho phi,     at the ideal mesh psi = -gamma/zs:     phi/psi = 1 + zk/rho
 //! ```
-//! so the output turns with the input. As long as the input turns at a constant speed the cranks'
-//! inertia about their own axes then acts as (1 + rho)^2 of it on the output.
+//! so the output turns with the input. At a constant input speed the cranks' inertia about their own axes acts on the
+//! output multiplied by (1 + rho)^2.
 
 use crate::error::Fault;
 use crate::model::{BodyMass, Cranks, Gear, OutputPart, Scene};
@@ -18,13 +18,13 @@ use crate::speed_profile;
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
 
 impl Cranks {
-    /// Ratio rho: teeth of the sun over teeth of a planet.
+    /// Returns the ratio rho: teeth of the sun over teeth of a planet.
     #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64
     }
 
-    /// Base radius of a planet, m: standard teeth at a distance of the circle's radius.
+    /// Returns the base radius of a planet, m: standard teeth at a centre distance of the circle's radius.
     #[must_use]
     pub fn planet_base_radius_m(&self) -> f64 {
         let pitch_radius = self.circle_radius_m / (1.0 + self.teeth_ratio());
@@ -33,8 +33,8 @@ impl Cranks {
 }
 
 impl Scene {
-    /// Rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk + rho) of an RV gear,
-    /// and zs/zk where the ring is the output.
+    /// Returns the rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk
+    /// + rho) of an RV gear, and zs/zk if the ring is the output.
     #[must_use]
     pub fn eccentric_per_input(&self) -> f64 {
         if self.drive.output == OutputPart::Ring {
@@ -46,7 +46,8 @@ impl Scene {
         })
     }
 
-    /// Rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk of a ring.
+    /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk of a
+    /// ring.
     #[must_use]
     pub fn output_per_input(&self) -> f64 {
         let carrier = -self.eccentric_per_input() / self.gear.lobes() as f64;
@@ -56,7 +57,7 @@ impl Scene {
         }
     }
 
-    /// Turns of the input for one of the output, without a sign.
+    /// Returns the input turns per output turn, unsigned.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         if self.drive.output == OutputPart::Ring {
@@ -70,15 +71,15 @@ impl Scene {
             })
     }
 
-    /// Largest speed of the eccentrics at the ideal mesh, rad/s.
+    /// Returns the largest speed of the eccentrics at the ideal mesh, rad/s.
     #[must_use]
     pub fn eccentric_speed_rad_s(&self) -> f64 {
         self.eccentric_per_input() * speed_profile::fastest_rad_s(&self.drive)
     }
 
-    /// Returns the input shaft with its share of the inertia of the turning cranks: the inertia that a torque on the sun
-    /// accelerates. [`output_shaft`](Self::output_shaft) has the other share; at the ideal mesh both shares together are the
-    /// entire inertia of the turning cranks.
+    /// Returns the input shaft with its share of the turning cranks' inertia, the part that a torque on the sun
+    /// accelerates. [`output_shaft`](Self::output_shaft) has the other share; at the ideal mesh both add up to the full
+    /// inertia.
     #[must_use]
     pub fn input_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.input_shaft;
@@ -91,7 +92,7 @@ impl Scene {
         shaft
     }
 
-    /// Returns the output shaft with its share of the inertia of the turning cranks.
+    /// Returns the output shaft with its share of the turning cranks' inertia.
     #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.output_shaft;
@@ -103,7 +104,7 @@ impl Scene {
     }
 }
 
-/// Checks the requirements of an RV reducer, and refuses keys that it has no place for.
+/// Checks the requirements of an RV reducer, and refuses keys that do not apply to it.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let Some(cranks) = &scene.cranks else {
@@ -169,7 +170,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         wider - (gear.internal_sleeve_radius_of_m(crank) - gear.internal_sleeve_radius_m)
     });
     let tightest = tightest.fold(0.0, f64::min) + clearance.unwrap_or_default();
-    // Radii are sums, known to their rounding.
+    // Radii are sums with rounding errors.
     if tightest < -4.0 * f64::EPSILON * gear.hole_radius_m {
         return Err(Fault::new(
             &[

@@ -15,9 +15,9 @@ use crate::{load_profile, scales, speed_profile};
 pub struct Derived {
     /// R = e zk/m, m.
     pub pitch_radius_m: f64,
-    /// zs.
+    /// Number of lobes zs.
     pub lobes: usize,
-    /// Input turns per output turn; they turn against each other, and with each other in an RV gear.
+    /// Input turns per output turn; both turn in opposite directions, and in the same direction in an RV gear.
     pub ratio: f64,
     /// Radius of curvature of the profile at a lobe's tip, m.
     pub tip_curvature_radius_m: f64,
@@ -29,34 +29,33 @@ pub struct Derived {
     pub profile_radii_m: [f64; 2],
     /// Thickness of the material between holes, profile and pins.
     pub walls: Walls,
-    /// Play of a pin in its hole beyond the orbit: hole - pin - e, m.
+    /// Clearance of a pin in its hole beyond the orbit: hole - pin - e, m.
     pub hole_clearance_m: f64,
-    /// Free rotation of a disc to one side because of backlash and modification, rad
-    /// ([`scales::free_play`]).
+    /// Free rotation of a disc to one side by backlash and modification, rad ([`scales::free_play`]).
     pub free_play_rad: f64,
-    /// Driver torque if no energy is lost or created: load/ratio, N m; of a load that changes the last one.
+    /// Driver torque without losses: load/ratio, N m; of a changing load the final one.
     pub ideal_input_torque_n_m: f64,
     /// Largest force of a ring pin on a disc, rigid and without clearance, N:
     /// about 4 T/(e zs zk) with T the largest load on one disc.
     pub external_force_estimate_n: f64,
     /// Largest force of an output pin on a disc, rigid and without clearance, N: 4 T/(zi Rw).
     pub internal_force_estimate_n: f64,
-    /// Frequencies at which a course may oscillate.
+    /// Frequencies at which results may oscillate.
     pub frequencies: Vec<Frequency>,
-    /// True if the discs' mesh ripples at the ring pins coincide.
+    /// True if the ripples of the discs' mesh at the ring pins are in phase.
     pub external_ripple_in_phase: bool,
-    /// True if the discs' ripples at the output pins coincide.
+    /// True if the ripples of the discs at the output pins are in phase.
     pub internal_ripple_in_phase: bool,
 }
 
-/// Thinnest places, m.
+/// Least wall thicknesses, m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Walls {
     /// Wall of a disc, between a hole and the profile.
     pub hole_to_profile_m: f64,
     /// Wall of a disc, between neighbouring holes.
     pub hole_to_hole_m: f64,
-    /// Wall of a disc, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
+    /// Wall of a disc, between a hole and the bore assumed for masses: 0.6 (circle - hole).
     pub hole_to_bore_m: f64,
     /// Gap between neighbouring ring pins.
     pub sleeve_to_sleeve_m: f64,
@@ -81,7 +80,7 @@ impl Walls {
     }
 }
 
-/// A figure of [`Derived`] with its name, for tables.
+/// Figure of [`Derived`] with its name, for tables.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Line {
     /// Name of the quantity.
@@ -94,20 +93,19 @@ pub struct Line {
     pub how: &'static str,
 }
 
-/// One predicted frequency.
+/// Predicted frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Frequency {
     /// Event that repeats with the frequency.
     pub what: &'static str,
     /// Multiple of the input frequency.
     pub order: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub hertz: f64,
 }
 
 impl Derived {
-    /// Quantities that follow from the dimensions and the load, in the order in which one reads them. `scene`: that
-    /// from which they were derived.
+    /// Returns quantities that follow from the dimensions and the load, in reading order, for the `scene` of these figures.
     #[must_use]
     pub fn lines(&self, scene: &Scene) -> Vec<Line> {
         macro_rules! lines {
@@ -153,7 +151,7 @@ impl Derived {
     }
 }
 
-/// hole - pin - e, m; 0 where only rounding is left.
+/// Returns hole - pin - e, m; 0 for a rounding error.
 fn hole_clearance(gear: &Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
     if clearance.abs() < 1e-12 * gear.hole_radius_m {
@@ -206,8 +204,8 @@ pub fn derived(scene: &Scene) -> Derived {
         external_force_estimate_n: scales::external_force(gear, wheel_torque),
         internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
         frequencies,
-        // Disc i is the first disc 2 pi i/n of input later; a ripple of order p per turn repeats
-        // in phase when p i/n is whole for every i.
+        // Disc i is the first disc 2 pi i/n of input later; a ripple of order p per turn is in phase if p i/n is an integer
+        // for every i.
         external_ripple_in_phase: gear.external_sleeves.is_multiple_of(gear.wheels),
         internal_ripple_in_phase: gear.internal_sleeves.is_multiple_of(gear.wheels),
     }

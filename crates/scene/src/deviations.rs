@@ -1,15 +1,16 @@
 //! Deviations of a gear from the ideal one: its profile's modification, and the individual errors of its parts.
 //!
-//! The disc's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own e,
-//! so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is what two such discs have in
-//! common, turned by +delta and -delta. With an offset w (`normal_m`) the epitrochoid is moved along its inward normal first. A pin at the angle phi from the eccentric then stands off the disc at the
-//! ideal mesh, to first order in all modifications and in the backlash d, by
+//! The disc's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own
+//! e, so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is the common part of two such discs,
+//! turned by +delta and -delta. An offset w (`normal_m`) first moves the epitrochoid along its inward normal. A pin at the
+//! angle phi from the eccentric then has a gap to the disc at the ideal mesh, to first order in all modifications and in
+//! the backlash d, of
 //!
 //! ```text
 //! g = equidistant + (d - radial) (1 - m cos phi)/S + delta e zs |sin phi|/S + w(pi - phi),    S = sqrt(1 + m^2 - 2 m cos phi)
 //! ```
-//! and its normal has the lever l = e zs sin(phi)/S about the disc's centre. [`pinwheel_scene::free_play`](crate::free_play)
-//! is the least g/l. Signs, sources and what engines make of it: `docs/gears.md`.
+//! and its normal has the lever l = e zs sin(phi)/S about the disc's centre.
+//! [`pinwheel_scene::free_play`](crate::free_play) is the least g/l. Signs, sources and use by engines: `docs/gears.md`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -19,12 +20,12 @@ use crate::error::Fault;
 use crate::model::{Errors, Gear, Modification, NormalOffset};
 use crate::number::{below, short};
 
-/// One list of errors.
+/// List of errors of equal parts.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorList<'a> {
     /// Key of the list.
     pub key: &'static str,
-    /// Parts to which the list belongs, with one entry each.
+    /// Parts of the list, with one entry each.
     pub parts: &'static str,
     /// Number of entries of a list that is not empty.
     pub count: usize,
@@ -32,7 +33,7 @@ pub struct ErrorList<'a> {
     pub values: &'a [f64],
 }
 
-/// Returns the place of a part, m: `angle` (rad) and `radius` (m) are the nominal ones; `radial` and `tangential` (m) are the
+/// Returns the position of a part, m: `angle` (rad) and `radius` (m) are nominal; `radial` and `tangential` (m) are
 /// displacements outwards and across.
 #[must_use]
 pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [f64; 2] {
@@ -41,7 +42,7 @@ pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [
     [out * cos - tangential * sin, out * sin + tangential * cos]
 }
 
-/// Returns an entry of a list that may be empty; 0 where the list has no such entry.
+/// Returns an entry of a list; 0 if the list has no such entry.
 #[must_use]
 pub fn entry(list: &[f64], number: usize) -> f64 {
     list.get(number).copied().unwrap_or(0.0)
@@ -62,7 +63,7 @@ impl NormalOffset {
         *self == Self::default()
     }
 
-    /// Returns the offset as a function; `None` where there is none, or too few points.
+    /// Returns the offset as a function; `None` without one, or with too few points.
     #[must_use]
     pub fn of_lobe(&self) -> Option<LobeOffset> {
         match self.points_m.is_empty() {
@@ -80,7 +81,7 @@ impl Errors {
         *self == Self::default()
     }
 
-    /// Every list with its key and the entries it should have.
+    /// Returns every list with its key and the expected number of entries.
     #[must_use]
     pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 12] {
         let external = ("ring pins", gear.external_sleeves);
@@ -142,13 +143,13 @@ impl Errors {
 }
 
 impl Gear {
-    /// R', m: radius of the circle on which the generating pin runs.
+    /// Returns R', m: radius of the circle of the generating pin.
     #[must_use]
     pub fn generating_radius_m(&self) -> f64 {
         self.pitch_radius_m() + self.modification.radial_m
     }
 
-    /// m' = e zk/R' of the discs' epitrochoid.
+    /// Returns m' = e zk/R' of the discs' epitrochoid.
     #[must_use]
     pub fn generating_shortening(&self) -> f64 {
         if self.modification.radial_m == 0.0 {
@@ -157,13 +158,13 @@ impl Gear {
         self.eccentricity_m * self.external_sleeves as f64 / self.generating_radius_m()
     }
 
-    /// q', m: by how much a disc's edge lies inside its epitrochoid.
+    /// Returns q', m: inward distance of a disc's edge from its epitrochoid.
     #[must_use]
     pub fn edge_offset_m(&self) -> f64 {
         self.external_sleeve_radius_m + self.modification.equidistant_m
     }
 
-    /// Returns the generating curve with an offset of its own; `None` without one, or if it folds.
+    /// Returns the generating curve with a user-defined offset; `None` without one, or if it folds.
     #[must_use]
     pub fn own_curve(&self) -> Option<Epitrochoid> {
         let offset = self.modification.normal_m.of_lobe()?;
@@ -258,7 +259,7 @@ impl Gear {
         entry(&self.errors.crank_phase_rad, k)
     }
 
-    /// The gear without its output pins and holes, whose lists of errors become empty.
+    /// Returns the gear without its output pins and holes; their lists of errors become empty.
     #[must_use]
     pub fn without_internal_sleeves(&self) -> Self {
         let mut gear = self.clone();
@@ -278,8 +279,8 @@ impl Gear {
         gear
     }
 
-    /// The gap of a ring pin that stands at the angle `phi` (rad) from the eccentric at the ideal mesh, to first
-    /// order, m, and the lever of its normal about the disc's centre, m; below 0 they overlap.
+    /// Returns the gap of a ring pin at the angle `phi` (rad) from the eccentric at the ideal mesh, to first order, m,
+    /// negative for an overlap, and the lever of its normal about the disc's centre, m.
     #[must_use]
     pub fn initial_gap_m(&self, phi: f64) -> (f64, f64) {
         let m = self.shortening;
@@ -291,7 +292,7 @@ impl Gear {
         let gap = change.equidistant_m
             + outwards * (1.0 - m * cos) / s
             + change.rotational_rad * lever.abs()
-            // The foot's phase on a lobe, of the flank that leaves more room.
+            // Phase on a lobe of the foot on the flank with the larger gap.
             + change.normal_m.of_lobe().map_or(0.0, |offset| {
                 offset.at(PI - phi)[0].max(offset.at(PI + phi)[0])
             });
@@ -299,7 +300,7 @@ impl Gear {
     }
 }
 
-/// Refuses lists of other lengths, and deviations that make another gear.
+/// Refuses lists of other lengths, and deviations too large for the gear.
 pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
     let lists = gear.errors.lists(gear);
     let empty_or_full = |list: &&ErrorList<'_>| [0, list.count].contains(&list.values.len());
@@ -312,7 +313,7 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
             format!("give {count} numbers, or leave the list out"),
         ));
     }
-    // As for the backlash: beyond half of these the parts hardly meet.
+    // Deviations beyond half of these leave hardly any contact, as for the backlash.
     let radii = [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m];
     let most = 0.5 * radii.into_iter().fold(gear.eccentricity_m, f64::min);
     let change = &gear.modification;
@@ -377,7 +378,7 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Returns the offset of a profile of one's own.
+/// Returns the offset of a user-defined profile.
 fn own_profile(gear: &Gear) -> Result<Option<LobeOffset>, Fault> {
     let (change, own) = (&gear.modification, &gear.modification.normal_m);
     let points = own.points_m.len();

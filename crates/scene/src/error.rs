@@ -1,4 +1,4 @@
-//! Errors of a scene. Every message is one line: where, what, and the remedy.
+//! Errors of a scene. Every message is one line with place, fault and remedy.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -8,7 +8,7 @@ use pinwheel_files::{FileError, one_line};
 /// Source of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
-    /// A line of the scene file, the first being 1.
+    /// Line of the scene file; the first is 1.
     Line {
         /// File or preset as the user named it.
         source: String,
@@ -20,9 +20,9 @@ pub enum Location {
         /// File as the user named it.
         source: String,
     },
-    /// An override on the command line, as typed: `gear.wheels=1`.
+    /// Override on the command line, as typed: `gear.wheels=1`.
     Set(String),
-    /// Neither: the key was left at its default.
+    /// Omitted key with its default value.
     Default {
         /// File or preset as the user named it.
         source: String,
@@ -40,10 +40,10 @@ impl fmt::Display for Location {
     }
 }
 
-/// Faults of finding, reading, understanding or checking a scene.
+/// Faults in locating, reading, parsing or checking a scene.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// Neither a preset nor a file.
+    /// Text that names neither a preset nor a file.
     #[error("there is no preset and no file `{}`; {remedy}", one_line(.spec))]
     NotFound {
         /// Text as typed.
@@ -51,7 +51,7 @@ pub enum SceneError {
         /// Nearest preset, or the list of all presets.
         remedy: String,
     },
-    /// The file cannot be read, or is neither TOML nor JSON.
+    /// File that cannot be read, or is neither TOML nor JSON.
     #[error(transparent)]
     File(#[from] FileError),
     /// `--set` without `key=value`.
@@ -62,15 +62,15 @@ pub enum SceneError {
         /// Description of the fault.
         what: &'static str,
     },
-    /// Keys that nothing can stand in for.
+    /// Omitted keys without a default.
     #[error("{}: gives no {}; write them, or begin with `base = \"paper\"` (any preset or scene file) to take from it what is left out", one_line(.source_name), list(.keys))]
     Missing {
         /// File or preset.
         source_name: String,
-        /// The keys.
+        /// Missing keys.
         keys: Vec<&'static str>,
     },
-    /// A key or its value.
+    /// Fault of a key or its value.
     #[error("{place}: `{}` {}; {}", one_line(.key), one_line(.what), one_line(.remedy))]
     Key {
         /// Source of the value.
@@ -85,7 +85,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// A fault of a key.
+    /// Returns a fault of a key.
     pub(crate) fn key(
         place: &Location,
         key: &str,
@@ -101,11 +101,11 @@ impl SceneError {
     }
 }
 
-/// Value that the checks refuse; the caller that knows its place in the file adds the place.
+/// Fault that a check reports; the caller adds its place in the file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{}` {}; {}", .keys.first().map_or("scene", AsRef::as_ref), one_line(.what), one_line(.remedy))]
 pub struct Fault {
-    /// The keys that take part, the likeliest culprit first.
+    /// Keys involved, the likeliest culprit first.
     pub keys: Vec<Cow<'static, str>>,
     /// Fault of the first key, a predicate: "is -1 m, but must be above 0 m".
     pub what: String,
@@ -114,7 +114,7 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A fault of `keys`, the likeliest culprit first.
+    /// Creates a fault of `keys`, the likeliest culprit first.
     pub(super) fn new(
         keys: &[&'static str],
         what: impl Into<String>,
@@ -128,7 +128,7 @@ impl Fault {
     }
 }
 
-/// `a`, `b` and `c`.
+/// Joins keys as `a`, `b` and `c`.
 fn list(keys: &[&str]) -> String {
     let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
     match quoted.split_last() {

@@ -1,4 +1,4 @@
-//! Filling in what a scene leaves out, by the table of keys.
+//! Values for omitted keys, from the table of keys.
 
 use pinwheel_contact::laws::law_info;
 use toml::{Table, Value};
@@ -14,7 +14,7 @@ use crate::table::{insert, lookup, usual};
 
 /// Reason why a scene cannot be completed.
 pub(crate) enum Gap {
-    /// Keys without a value that cannot be filled in.
+    /// Missing keys without a default.
     Missing(Vec<&'static str>),
     /// Fault of a gear that cannot exist, so no value follows from it.
     Fault(Fault),
@@ -32,11 +32,11 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
         )));
     }
     let mut scene = Scene::paper();
-    // Placeholders must not pass for the scene's own.
+    // The placeholder must not be taken for a value of the scene.
     scene.solver.duration_s = f64::MAX;
     let (mut part, mut sound) = ("", false);
     let gives_circle = lookup(table, PITCH).is_some();
-    // Rows that follow may rest on what the law reads.
+    // Later formulas may depend on parameters of the law.
     let mut stale = false;
     let gaps: Vec<&Key> = keys::values(table)
         .filter_map(|(row, value)| value.is_none().then_some(row))
@@ -90,7 +90,7 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
             source,
         });
     }
-    // Only reading knows it.
+    // The model has no field for this key.
     if let Some(Value::Table(gear)) = table.get_mut("gear") {
         gear.remove("pin_circle_radius_m");
     }

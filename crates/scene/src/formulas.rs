@@ -1,5 +1,4 @@
-//! Formulas for the values of keys that a scene leaves out. Each formula stands in words beside its key
-//! ([`crate::keys`]).
+//! Formulas for omitted keys. The text of each formula stands beside its key ([`crate::keys`]).
 
 use toml::Table;
 
@@ -9,20 +8,20 @@ use crate::scales::{Scales, hertz};
 use crate::speed_profile::fastest_rad_s;
 use crate::table::number;
 
-/// Values so far: given, or filled in by earlier rows of the key table.
+/// Values so far: given, or filled in from earlier rows of the key table.
 pub struct Given<'a> {
     pub(crate) table: &'a Table,
-    /// Scene so far, with placeholders where rows are still missing.
+    /// Scene so far, with placeholders for missing rows.
     pub(crate) scene: &'a Scene,
-    /// True if all rows of `gear` and `drive` are there and fit together.
+    /// True if all rows of `gear` and `drive` are present and consistent.
     pub(crate) gear_is_sound: bool,
 }
 
-/// Density of steel, kg/m^3, for masses that are left out together with it.
+/// Density of steel, kg/m^3, for omitted masses without a density.
 const STEEL: f64 = 7850.0;
-/// Face width as a share of R, for masses that are left out together with it; usual are 0.1 to 0.2.
+/// Face width over R for omitted masses without a face width; usual are 0.1 to 0.2.
 const FACE: f64 = 0.15;
-/// Share of critical damping of the fastest mode.
+/// Damping of the fastest mode as a share of critical damping.
 const DAMPING: f64 = 0.05;
 
 impl Given<'_> {
@@ -39,7 +38,7 @@ impl Given<'_> {
         Some(Scales::of(self.scene))
     }
 
-    /// Largest speed of the input, rad/s.
+    /// Returns the largest speed of the input, rad/s.
     fn speed(&self) -> Option<f64> {
         self.number("drive.input_speed_rad_s")?;
         Some(fastest_rad_s(&self.scene.drive).abs())
@@ -49,7 +48,7 @@ impl Given<'_> {
         self.number("mass.density_kg_m3").unwrap_or(STEEL)
     }
 
-    /// Mass of a flat shape so many face widths thick, kg.
+    /// Returns the mass of a flat shape with a thickness in face widths, kg.
     fn mass(
         &self,
         shape: impl FnOnce(&Gear) -> Shape,
@@ -59,7 +58,7 @@ impl Given<'_> {
         Some(self.density() * face_width(self)? * widths(gear) * shape(gear).area_m2)
     }
 
-    /// Moment of a body of that shape whose mass stands at `name`, kg m^2.
+    /// Returns the moment of inertia of a body of that shape with the mass at key `name`, kg m^2.
     fn moment(&self, name: &str, shape: impl FnOnce(&Gear) -> Shape) -> Option<f64> {
         Some(self.number(name)? * shape(self.gear()?).gyration_m2())
     }
@@ -81,7 +80,7 @@ pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
 pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
     let eccentricity = given.number("gear.eccentricity_m")?;
     let shaft = given.number("cranks.bore_radius_m")? - eccentricity;
-    // A bore that leaves none is reported as a fault of cranks.
+    // The check of cranks reports a bore that leaves no shaft.
     Some(if shaft > 0.0 { shaft } else { eccentricity })
 }
 
@@ -136,7 +135,7 @@ pub(crate) fn friction_ramp(given: &Given<'_>) -> Option<f64> {
     let speed = given.speed()?;
     let speed = if speed > 0.0 { speed } else { 1.0 };
     let ramp = 1e-3 * speed * given.number("gear.eccentricity_m")?;
-    // The least that the key may have.
+    // Least value that the key may have.
     Some(short(ramp.max(1e-18)))
 }
 
@@ -153,7 +152,7 @@ pub(crate) fn wheel_points(given: &Given<'_>) -> Option<f64> {
     Some((100.0 * given.gear()?.lobes() as f64).max(4000.0))
 }
 
-/// A turn of the input, s; of a gear that stands still ten periods of its slowest mode.
+/// Returns the period of an input turn, s; of a gear at rest ten periods of its slowest mode.
 fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
     let speed = given.speed()?;
     let tau = std::f64::consts::TAU;
@@ -180,18 +179,18 @@ pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
     let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
     let duration = given.number("solver.duration_s")?;
     let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);
-    // An integer number of samples, so that the last interval is as long as the others.
+    // An integer number of samples makes all intervals equal.
     Some(duration / (duration / wanted).ceil())
 }
 
 pub(crate) fn step(given: &Given<'_>) -> Option<f64> {
     let fast = std::f64::consts::TAU / given.scales()?.modes_rad_s[1];
     let sample = given.number("solver.sample_s")?;
-    // Engines of fixed steps want their samples on steps.
+    // Engines with fixed steps need samples on steps.
     Some(sample / (sample / (fast / 50.0)).ceil())
 }
 
-/// Three significant digits: a formula's estimate is no exact figure.
+/// Rounds to three significant digits: a formula's estimate is not exact.
 fn short(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }

@@ -1,8 +1,8 @@
-//! Scenes as JSON: the same tables and keys as in TOML, alone or as the `scene` of a job file.
+//! JSON form of scenes: tables and keys as in TOML, alone or as the `scene` of a job file.
 
 use serde_json::Value;
 
-/// The version of job files (`scene.json`) that this program writes and reads.
+/// Version of job files (`scene.json`).
 pub const JOB_PROTOCOL: u64 = 1;
 
 /// True if a text is JSON: no TOML begins with a brace.
@@ -10,7 +10,7 @@ pub(crate) fn is_json(text: &str) -> bool {
     text.trim_start().starts_with('{')
 }
 
-/// The scene of a JSON text as TOML; else line and fault.
+/// Returns the scene of a JSON text as TOML, or line and fault.
 pub(crate) fn as_toml(text: &str) -> Result<String, (usize, String)> {
     let mut value: Value =
         serde_json::from_str(text).map_err(|error| (error.line(), error.to_string()))?;
@@ -30,7 +30,7 @@ pub(crate) fn as_toml(text: &str) -> Result<String, (usize, String)> {
     toml::to_string(&value).map_err(|error| (1, error.to_string()))
 }
 
-/// TOML has no null: what is null is left out.
+/// Removes nulls, which TOML does not have.
 fn without_nulls(value: &mut Value) {
     if let Value::Object(table) = value {
         table.retain(|_, inner| !inner.is_null());

@@ -1,8 +1,8 @@
-//! Every key of a scene, one row each: what it is, what it may hold, and what happens where it is left out.
+//! Table of all keys of a scene: meaning, permitted values and default of each.
 //!
-//! Reading, checking, `explain`, the JSON schema ([`crate::schema`]) and messages all follow this table. A new key is
-//! a field of the model ([`crate::Scene`]), a row here, and whatever uses it. Rows stand in the order in which what is
-//! left out is filled in: a formula may use any row above its own.
+//! Reading, checking, `explain`, the JSON schema ([`crate::schema`]) and messages all follow this table. A new key is a
+//! field of the model ([`crate::Scene`]), a row here, and its use. Omitted keys are filled in row by row, so a formula may
+//! use any row above its own.
 
 use toml::{Table, Value};
 
@@ -10,10 +10,10 @@ use crate::formulas::{self, Given};
 use crate::names;
 use crate::table::lookup;
 
-/// Kind of value that a key holds.
+/// Kind of a key's value.
 #[derive(Clone, Copy)]
 pub enum Kind {
-    /// A number within a range.
+    /// Number within a range.
     Number(Range),
     /// Integer between two limits, both included.
     Count(usize, usize),
@@ -23,17 +23,17 @@ pub enum Kind {
     Flag,
     /// Text.
     Text,
-    /// A list of texts.
+    /// List of texts.
     Texts,
-    /// A list of these names.
+    /// List of names from a fixed list.
     Choices(&'static str, fn() -> Vec<&'static str>),
-    /// A list of numbers, each within a range.
+    /// List of numbers, each within a range.
     Numbers(Range),
-    /// A list of tables whose keys are these rows.
+    /// List of tables with these rows as keys.
     Tables(&'static [Key]),
 }
 
-/// The allowed interval of a number.
+/// Permitted interval of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Range {
     /// low <= x <= high
@@ -42,39 +42,39 @@ pub enum Range {
     Between(f64, f64),
 }
 
-/// Source of the value of a key that is left out.
+/// Default of an omitted key.
 #[derive(Clone, Copy)]
 pub enum DefaultValue {
-    /// Nothing can: an error that names the key.
+    /// None: the omission is an error.
     Required,
-    /// Nothing can where its table is there: an error that names the key.
+    /// None: the omission is an error if another key of the table is given.
     Needed,
-    /// Nothing has to: the key asks for something.
+    /// None needed: the key enables an option.
     Nothing,
-    /// A usual value, as TOML, and why it is one.
+    /// Usual value, as TOML, and its reason.
     Constant(&'static str, &'static str),
-    /// A value that follows from others, and its formula; `None` where they are missing.
+    /// Value computed from others, and its formula; `None` if these are missing.
     Formula(fn(&Given<'_>) -> Option<f64>, &'static str),
 }
 
-/// One key.
+/// Key of a scene.
 #[derive(Clone, Copy)]
 pub struct Key {
     /// Full name, `gear.eccentricity_m`; the unit ends it.
     pub name: &'static str,
-    /// Kind of value that the key holds.
+    /// Kind of the key's value.
     pub kind: Kind,
-    /// Source of the key's value where it is left out.
+    /// Default of the key.
     pub otherwise: DefaultValue,
     /// Meaning of the key.
     pub about: &'static str,
-    /// Help for who gave a wrong value.
+    /// Hint after a wrong value.
     pub hint: &'static str,
 }
 
-/// Every row with what a scene's table holds there.
+/// Returns every row with the value in a scene's table.
 pub(crate) fn values(table: &Table) -> impl Iterator<Item = (&'static Key, Option<&Value>)> {
-    // Rows of one table stand together: it is looked up once.
+    // Rows of one table are adjacent, so each table is looked up once.
     let mut last = ("", Some(table));
     KEYS.iter().map(move |row| {
         let (place, name) = row.name.rsplit_once('.').unwrap_or(("", row.name));
@@ -104,7 +104,7 @@ impl Range {
 }
 
 impl Key {
-    /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
+    /// Returns the unit at the end of the name, as text; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         const UNITS: [(&str, &str); 19] = [
@@ -132,7 +132,7 @@ impl Key {
         unit.map_or("", |(_, unit)| unit)
     }
 
-    /// Range that a number leaves, in words: `from 0 to 1e5`. `None`: the key may hold the number.
+    /// Returns the range that a number violates, as text: `from 0 to 1e5`. `None` for a permitted number.
     #[must_use]
     pub fn refuses(&self, number: f64) -> Option<String> {
         match self.kind {
@@ -141,13 +141,13 @@ impl Key {
         }
     }
 
-    /// The table it stands in and its name there.
+    /// Returns the table of the key and its name there.
     pub(crate) fn path(&self) -> Vec<&'static str> {
         self.name.split('.').collect()
     }
 }
 
-/// The row of a key.
+/// Returns the row of a key.
 #[must_use]
 pub fn key(name: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.name == name)
@@ -167,15 +167,15 @@ const PROFILE: &str = "write numbers in metres, like [0.0, 5e-6, 2e-6]";
 const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
 const LOAD: &str = "give the load on the output shaft in newton metres";
 
-/// 0.1 micrometre to 10 m: a watch to a wind turbine. Wide bounds catch millimetres typed for metres, and keep every
-/// later computation finite.
+/// Range of lengths from 0.1 micrometre to 10 m: a watch to a wind turbine. It detects millimetres typed for metres, and
+/// keeps every later computation finite.
 const LENGTH: Kind = Number(From(1e-7, 10.0));
 const RPM: &str = "500 rpm is 52.36 rad/s";
 const SPEED: Kind = Number(From(-1e6, 1e6));
 const TORQUE: Kind = Number(From(-1e9, 1e9));
 const MASS: Kind = Number(From(1e-9, 1e6));
 const MOMENT: Kind = Number(From(1e-18, 1e8));
-/// Deviations, to either side.
+/// Range of deviations, to either side.
 const DEVIATION: Range = From(-1.0, 1.0);
 const ANGLE: Range = From(-1.0, 1.0);
 const KELVIN: Kind = Number(From(-300.0, 1000.0));
@@ -192,14 +192,14 @@ macro_rules! keys {
     };
 }
 
-/// One change of the load.
+/// Keys of a change of the load.
 pub(crate) const CHANGE: &[Key] = keys! {
     "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
     "output_torque_n_m" TORQUE, Required, "the load from then on", LOAD;
     "ramp_s" TIME, Constant("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
 };
 
-/// One change of the input's speed.
+/// Keys of a change of the input's speed.
 pub(crate) const SPEED_CHANGE: &[Key] = keys! {
     "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
     "input_speed_rad_s" SPEED, Required, "the speed from the end of the ramp on", RPM;

@@ -21,7 +21,7 @@ impl Layout {
     /// Index of the output shaft.
     pub const OUTPUT: usize = 1;
 
-    /// The layout of a gear.
+    /// Returns the layout of a gear.
     #[must_use]
     pub fn of(gear: &Gear) -> Self {
         Self {
@@ -57,7 +57,7 @@ impl Layout {
         self.internal_bodies().end
     }
 
-    /// Body index of a pin.
+    /// Returns the body index of a pin.
     #[must_use]
     pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
         match sleeve {
@@ -67,12 +67,12 @@ impl Layout {
     }
 }
 
-/// One pin, by kind and number.
+/// Pin, by kind and number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sleeve {
-    /// On the housing, 0 at angle 0, counter-clockwise.
+    /// Ring pin on the housing, 0 at angle 0, counter-clockwise.
     External(usize),
-    /// On the output shaft.
+    /// Output pin on the output shaft.
     Internal(usize),
 }
 

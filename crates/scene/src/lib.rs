@@ -1,4 +1,4 @@
-//! Scenes: everything a run depends on, from a TOML file to values that are sound.
+//! Scenes: all inputs of a run, read from a TOML file and checked.
 //!
 //! ```text
 //!  preset or file ──┐
@@ -7,10 +7,11 @@
 //!                                                          geometry)   but by being checked again
 //! ```
 //!
-//! * [`keys`]: one row a key: what it may hold, what it means, what stands for it where it is left out.
-//! * [`CheckedScene`]: the only door to building and running; [`CheckedScene::origins`] says which values nobody wrote.
-//! * [`Scales`]: sizes and frequencies that follow from a scene, by which steps and tolerances are chosen.
-//! * [`catalogue`]: from a data sheet to a scene, with suggestions for what it leaves out.
+//! * [`keys`]: one row a key: permitted values, meaning, default.
+//! * [`CheckedScene`]: required for building and running; [`CheckedScene::origins`] lists values that the file does not
+//!   write.
+//! * [`Scales`]: sizes and frequencies of a scene, from which steps and tolerances are chosen.
+//! * [`catalogue`]: scenes from data sheets, with suggestions for missing dimensions.
 //! * [`load_profile`], [`channels`], [`schema`]: the load over time, columns on request, the JSON schema for editors.
 //!
 //! # A gear in ten lines
@@ -92,7 +93,7 @@ pub use pinwheel_files::{MOST_BYTES, did_you_mean, nearest};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};
 
-/// Private items that the tests of this crate reach; no part of the interface.
+/// Private items for the tests of this crate.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::body::Shape;

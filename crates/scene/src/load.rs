@@ -1,4 +1,4 @@
-//! The text of a scene file.
+//! Text of a scene file.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use pinwheel_files::{nearest, one_line, read_text};
 use crate::error::SceneError;
 use crate::presets::PRESETS;
 
-/// The text of a scene file.
+/// Reads the text of a scene file.
 pub(crate) fn read(spec: &str) -> Result<String, SceneError> {
     let path = Path::new(spec);
     match path.try_exists() {

@@ -1,32 +1,32 @@
-//! The load over time: what it begins with, and what `drive.load_changes` make of it.
+//! Load over time: its start and the changes of `drive.load_changes`.
 //!
 //! ```text
 //! L(t) = before + (after - before) clamp((t - from)/ramp, 0, 1),    ramp = 0: after
 //! ```
-//! one [`LoadSegment`] for the start and one for each change. At a change without a ramp L jumps, and there it is two
-//! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in segments from
-//! one [`breaks`] to the next, each with one piece to both its ends.
+//! with one [`LoadSegment`] for the start and one for each change. At a change without a ramp L jumps, and has a value for
+//! the ending and one for the beginning segment. Integration therefore goes from one [`breaks`] to the next, with one
+//! segment for both ends.
 
 use crate::{Drive, Scene, speed_profile};
 
-/// Least distance of two changes, s: breaks stand apart by more than the rounding of times.
+/// Least distance of two changes, s: more than the rounding of times.
 pub const APART_S: f64 = 1e-9;
 
-/// The load between two changes.
+/// Load between two changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadSegment {
     /// Start of the segment, s.
     pub from_s: f64,
-    /// The load it begins with, N m.
+    /// Load at the start, N m.
     pub before_n_m: f64,
-    /// The load it comes to, N m.
+    /// Load at the end of the ramp, N m.
     pub after_n_m: f64,
-    /// Over this time, s; 0: at once.
+    /// Duration of the ramp, s; 0: a jump.
     pub ramp_s: f64,
 }
 
 impl LoadSegment {
-    /// Torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
+    /// Returns the torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
     #[must_use]
     pub fn torque(&self, t: f64) -> f64 {
         if self.ramp_s > 0.0 {
@@ -37,14 +37,14 @@ impl LoadSegment {
         }
     }
 
-    /// End of the ramp, s.
+    /// Returns the end of the ramp, s.
     #[must_use]
     pub fn settled_s(&self) -> f64 {
         self.from_s + self.ramp_s
     }
 }
 
-/// The piece that a load begins with.
+/// Returns the first segment of a load.
 fn first_piece(drive: &Drive) -> LoadSegment {
     LoadSegment {
         from_s: 0.0,
@@ -54,7 +54,7 @@ fn first_piece(drive: &Drive) -> LoadSegment {
     }
 }
 
-/// The pieces of a load in their order, the first from 0 on.
+/// Returns the segments of a load in their order, the first from 0 on.
 pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadSegment> + '_ {
     let mut before_n_m = drive.output_torque_n_m;
     let changes = drive.load_changes.iter().map(move |change| {
@@ -70,7 +70,7 @@ pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadSegment> + '_ {
     std::iter::once(first_piece(drive)).chain(changes)
 }
 
-/// The piece that holds at time `t` (s); at a change the one that begins.
+/// Returns the segment at time `t` (s); at a change the one that begins.
 #[must_use]
 pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
     let changes = pieces(drive).skip(1);
@@ -78,10 +78,10 @@ pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
     begun.last().unwrap_or_else(|| first_piece(drive))
 }
 
-/// Times at which the load or the input's speed jumps or bends, s, increasing: no step may pass over one.
+/// Returns the times of jumps and kinks of the load or the input's speed, s, increasing: no step may pass over one.
 ///
-/// Empty without changes: a ramp at the start alone is left to the step control, as ever, so that the results of
-/// such scenes stay what they are to the last bit.
+/// Empty without changes: a ramp at the start alone is left to the step control, so that results of such scenes stay the
+/// same to the last bit.
 #[must_use]
 pub fn breaks(drive: &Drive) -> Vec<f64> {
     let mut times = breaks_of_load(drive);
@@ -106,7 +106,7 @@ fn breaks_of_load(drive: &Drive) -> Vec<f64> {
     }
     let mut times: Vec<f64> = Vec::with_capacity(2 * drive.load_changes.len() + 1);
     for piece in pieces(drive) {
-        // A ramp that ends where its change begins, or where this one does up to rounding, is no break of its own.
+        // The end of a ramp is no break if its change begins there, or the next one does up to rounding.
         if times.last().is_some_and(|t| piece.from_s - t < APART_S) {
             times.pop();
         }
@@ -119,7 +119,7 @@ fn breaks_of_load(drive: &Drive) -> Vec<f64> {
     times
 }
 
-/// Mean load from `from` to `to` (s, `to > from`), N m: what a step that takes one value for the load has to take.
+/// Returns the mean load from `from` to `to` (s, `to > from`), N m, for a step with a constant load.
 #[must_use]
 pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
     let mut ends: Vec<f64> = breaks_of_load(drive);
@@ -127,7 +127,7 @@ pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
     ends.push(to);
     let (mut start, mut impulse) = (from, 0.0);
     for end in ends {
-        // Linear in between: the middle is the mean.
+        // The load is linear in between, so the middle is the mean.
         let middle = 0.5 * (start + end);
         impulse += (end - start) * piece_at(drive, middle).torque(middle);
         start = end;
@@ -152,7 +152,7 @@ pub fn last_change_s(scene: &Scene) -> Option<f64> {
     load.into_iter().chain(speed).reduce(f64::max)
 }
 
-/// The load with which a run of `scene` ends, N m.
+/// Returns the load at the end of a run of `scene`, N m.
 #[must_use]
 pub fn final_load(scene: &Scene) -> f64 {
     let end = scene.solver.duration_s;
@@ -162,15 +162,15 @@ pub fn final_load(scene: &Scene) -> f64 {
         .map_or(scene.drive.output_torque_n_m, |piece| piece.after_n_m)
 }
 
-/// Returns the time from which on load and speed of a run of `scene` are [`final_load`] and the
-/// [final speed](speed_profile::final_rad_s), s.
+/// Returns the time from which load and speed of a run of `scene` are [`final_load`] and the [final
+/// speed](speed_profile::final_rad_s), s.
 #[must_use]
 pub fn final_from_s(scene: &Scene) -> f64 {
     let ramp = first_piece(&scene.drive).settled_s();
     last_change_s(scene).map_or(ramp, |last| last.max(ramp))
 }
 
-/// Says which changes come too late for the run, if any do.
+/// Returns a message on changes that come after the end of the run, if any.
 #[must_use]
 pub fn unreached(scene: &Scene) -> Option<String> {
     let (end, drive) = (scene.solver.duration_s, &scene.drive);

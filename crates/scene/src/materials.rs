@@ -1,9 +1,9 @@
-//! Materials of gears, with what they bear.
+//! Materials of gears with their limits.
 
-/// A material: name as typed, E (Pa), Poisson's ratio, density (kg/m^3).
+/// Material: name, E (Pa), Poisson's ratio, density (kg/m^3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
-    /// Name as typed.
+    /// Name in scenes and on the command line.
     pub name: &'static str,
     /// Young's modulus, Pa.
     pub young_pa: f64,
@@ -11,7 +11,7 @@ pub struct Material {
     pub poisson: f64,
     /// Density, kg/m^3.
     pub density_kg_m3: f64,
-    /// Yield strength, Pa; of steel that of a hardened part's core.
+    /// Yield strength, Pa; for steel of a hardened part's core.
     pub yield_pa: f64,
     /// Largest product of pressure on the projected area and sliding speed under boundary lubrication, W/m^2.
     pub pressure_sliding_w_m2: Option<f64>,
@@ -33,9 +33,9 @@ macro_rules! materials {
     };
 }
 
-/// Materials that a catalogue can name. Round values within the ranges of M. F. Ashby, Materials Selection in Mechanical
-/// Design, 4th ed. (2011), appendix A; printed parts have less than the plastic they are printed of. Products of pressure and
-/// sliding of leaded tin bronze and of nylon: R. L. Mott, Machine Elements in Mechanical Design, table 16-1.
+/// Materials for catalogue data. Round values within the ranges of M. F. Ashby, Materials Selection in Mechanical Design,
+/// 4th ed. (2011), appendix A; printed parts have less than their plastic. Products of pressure and sliding of leaded tin
+/// bronze and of nylon: R. L. Mott, Machine Elements in Mechanical Design, table 16-1.
 pub const MATERIALS: &[Material] = materials! {
     "steel" 2.1e11, 0.30, 7850.0, 7.0e8, None, 1.15e-5;
     "cast-iron" 1.7e11, 0.27, 7150.0, 2.0e8, None, 1.1e-5;

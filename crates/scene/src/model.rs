@@ -1,19 +1,19 @@
-//! The scene: everything a run depends on, as the TOML file names it.
+//! Scene: all inputs of a run, named as in the TOML file.
 //!
-//! Every unit is in the key's name. What a file leaves out comes from its base or is filled in ([`crate::keys`]).
+//! Names of keys end with their units. Omitted keys come from the base or are filled in ([`crate::keys`]).
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-/// A complete scene. SI units; angles counter-clockwise; see the field groups.
+/// Complete scene. SI units; angles counter-clockwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Name shown in reports.
     pub name: String,
-    /// Why this scene exists, one sentence (optional).
+    /// Purpose of the scene, one sentence (optional).
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub description: String,
     /// Geometry.
@@ -24,7 +24,7 @@ pub struct Scene {
     pub drive: Drive,
     /// Contact law and detection.
     pub contact: Contact,
-    /// Compliance beside that of the contacts; without it only contacts deflect under the load.
+    /// Compliance beside that of the contacts; without it only contacts deflect.
     #[serde(default, skip_serializing_if = "Bearings::is_none")]
     pub bearings: Bearings,
     /// Parts behind the contacts that give way.
@@ -38,13 +38,13 @@ pub struct Scene {
     pub cranks: Option<Cranks>,
     /// Formulation, integrator and sampling.
     pub solver: Solver,
-    /// Channels that are recorded beyond the contract's columns.
+    /// Channels recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
-    /// Limits of the parts; without one the materials' own stand, where they are known.
+    /// Limits of the parts; without them those of the materials, if known.
     #[serde(default, skip_serializing_if = "Limits::is_none")]
     pub limits: Limits,
-    /// Half-widths of uncertain values, by key: for intervals by fit and comparisons with measured data.
+    /// Half-widths of uncertain values, by key: for tolerance intervals and comparisons with measured data.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub uncertain: BTreeMap<String, PlusMinus>,
 }
@@ -53,36 +53,36 @@ pub struct Scene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gear {
-    /// e, m.
+    /// Eccentricity e, m.
     pub eccentricity_m: f64,
-    /// zk; a disc has zs = zk - 1 lobes.
+    /// Number of ring pins zk; a disc has zs = zk - 1 lobes.
     pub external_sleeves: usize,
-    /// m, short-width coefficient, 0 < m < 1.
+    /// Short-width coefficient m, 0 < m < 1.
     pub shortening: f64,
-    /// q, m.
+    /// Radius of a ring pin q, m.
     pub external_sleeve_radius_m: f64,
-    /// zi, pins on the output shaft.
+    /// Number of output pins zi.
     pub internal_sleeves: usize,
-    /// Radius of an output pin, m. Fig. 3 is not available: an assumption.
+    /// Radius of an output pin, m; an assumption, because Fig. 3 is not available.
     pub internal_sleeve_radius_m: f64,
-    /// Radius of the circle the output pins sit on, m. An assumption.
+    /// Radius of the output pins' circle, m; an assumption.
     pub internal_circle_radius_m: f64,
-    /// Radius of a disc's hole, m (pin radius + e without clearance). An assumption.
+    /// Radius of a disc's hole, m (pin radius + e without clearance); an assumption.
     pub hole_radius_m: f64,
-    /// Discs, evenly phased on the eccentric.
+    /// Number of discs, evenly phased on the eccentric.
     pub wheels: usize,
-    /// d, m: ring pins sit at R + d.
+    /// Backlash d, m: ring pins are at R + d.
     pub backlash_m: f64,
-    /// True if ring pins are sleeves that turn; false: they are held.
+    /// True if ring pins are sleeves that turn; false if they are fixed.
     #[serde(default = "turns", skip_serializing_if = "Clone::clone")]
     pub external_sleeves_turn: bool,
-    /// True if output pins are sleeves that turn; false: the output shaft holds them.
+    /// True if output pins are sleeves that turn; false if they are fixed to the output shaft.
     #[serde(default = "turns", skip_serializing_if = "Clone::clone")]
     pub internal_sleeves_turn: bool,
-    /// Thickness of a disc, m; only masses that a scene leaves out need it.
+    /// Thickness of a disc, m; used only for omitted masses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
-    /// Radius of a disc's bore for the bearing on its eccentric, m; `None`: 0.6 of what the holes leave free.
+    /// Bore radius of a disc for the bearing on its eccentric, m; `None`: 0.6 of the radius inside the holes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub eccentric_bore_radius_m: Option<f64>,
     /// Modification of the discs' profile against the one that fits the ring.
@@ -93,18 +93,18 @@ pub struct Gear {
     pub errors: Errors,
 }
 
-/// Returns the value of a pin's key that a scene leaves out.
+/// Returns the default of a pin's turning.
 fn turns() -> bool {
     true
 }
 
-/// Mass and moment of inertia about the centre of mass of one rigid body.
+/// Mass and moment of inertia of a rigid body about its centre of mass.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyMass {
-    /// kg
+    /// Mass, kg.
     pub mass_kg: f64,
-    /// kg m^2
+    /// Moment of inertia, kg m^2.
     pub moment_kg_m2: f64,
 }
 
@@ -112,12 +112,12 @@ pub struct BodyMass {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Masses {
-    /// Density of all bodies, kg/m^3; only masses that a scene leaves out need it.
+    /// Density of all bodies, kg/m^3; used only for omitted masses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub density_kg_m3: Option<f64>,
-    /// The driven shaft with its eccentrics.
+    /// Input shaft with its eccentrics.
     pub input_shaft: BodyMass,
-    /// The loaded shaft without its pins.
+    /// Output shaft without its pins.
     pub output_shaft: BodyMass,
     /// One cycloidal disc.
     pub wheel: BodyMass,
@@ -131,9 +131,9 @@ pub struct Masses {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Start {
-    /// Rates of the ideal mesh, load at once: ring pins at rest, output pins turn with the output.
+    /// Rates of the ideal mesh under the full load: ring pins at rest, output pins turn with the output.
     Kinematic,
-    /// Statically loaded: no start-up transient.
+    /// Static equilibrium under the load: no start-up transient.
     Equilibrium,
 }
 
@@ -141,10 +141,10 @@ pub enum Start {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OutputPart {
-    /// The carrier with the output pins; the ring is held.
+    /// Carrier with the output pins; the ring is fixed.
     #[default]
     Carrier,
-    /// The ring with its pins; the carrier is held.
+    /// Ring with its pins; the carrier is fixed.
     Ring,
 }
 
@@ -158,26 +158,26 @@ impl OutputPart {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drive {
-    /// omega, rad/s.
+    /// Speed omega, rad/s.
     pub input_speed_rad_s: f64,
     /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
     pub output_torque_n_m: f64,
-    /// Part that turns the output; the other one is held.
+    /// Output part; the other one is fixed.
     #[serde(default, skip_serializing_if = "OutputPart::is_carrier")]
     pub output: OutputPart,
     /// Initial state.
     pub start: Start,
-    /// The load rises linearly from 0 over this time, s; 0: at once.
+    /// Duration of the linear rise of the load from 0, s; 0: at once.
     pub load_ramp_s: f64,
-    /// Changes of the load during the run, in increasing time; empty: it stays.
+    /// Changes of the load during the run, in increasing time; empty: a constant load.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_changes: Vec<LoadChange>,
-    /// Changes of the input's speed during the run, in increasing time; empty: it stays.
+    /// Changes of the input's speed during the run, in increasing time; empty: a constant speed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub speed_changes: Vec<SpeedChange>,
 }
 
-/// One change of the input's speed during a run.
+/// Change of the input's speed during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedChange {
@@ -189,7 +189,7 @@ pub struct SpeedChange {
     pub ramp_s: f64,
 }
 
-/// One change of the load during a run.
+/// Change of the load during a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadChange {
@@ -202,7 +202,7 @@ pub struct LoadChange {
     pub ramp_s: f64,
 }
 
-/// Method that finds the contact point.
+/// Method that computes the contact point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Detection {
@@ -228,62 +228,63 @@ pub enum FrictionLaw {
 pub struct Contact {
     /// Name of the normal law; `pinwheel laws` lists them.
     pub law: String,
-    /// Names of the laws whose spread is the band of a figure; `None`: those that may be right for the materials.
+    /// Laws whose spread is the band of a figure; `None`: those that may apply to the materials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_laws: Option<Vec<String>>,
-    /// Name of the discs' material, of [`crate::catalogue::MATERIALS`]; its limits are theirs.
+    /// Name of the discs' material, of [`crate::catalogue::MATERIALS`], which gives their limits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Name of the pins' material; `None`: the discs'.
+    /// Name of the pins' material; `None`: that of the discs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin_material: Option<String>,
-    /// E of the discs, Pa.
+    /// Young's modulus E of the discs, Pa.
     pub young_pa: f64,
     /// Poisson's ratio of the discs.
     pub poisson: f64,
-    /// E of the pins, Pa; `None`: as the discs'.
+    /// Young's modulus E of the pins, Pa; `None`: that of the discs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin_young_pa: Option<f64>,
-    /// Poisson's ratio of the pins; `None`: as the discs'.
+    /// Poisson's ratio of the pins; `None`: that of the discs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin_poisson: Option<f64>,
-    /// H, factor on the Hertzian stiffness.
+    /// Factor H on the Hertzian stiffness.
     pub stiffness_multiplier: f64,
-    /// H of internal contacts; `None`: that of all.
+    /// Factor H of internal contacts; `None`: that of all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub internal_stiffness_multiplier: Option<f64>,
-    /// k of external contacts under the law of linear springs, N/m; `None`: the secant of steel rollers under the largest load.
+    /// Stiffness k of external contacts under the law of linear springs, N/m; `None`: the secant of steel rollers under the
+    /// largest load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub external_spring_n_m: Option<f64>,
-    /// k of internal contacts, likewise.
+    /// Stiffness k of internal contacts, N/m; `None`: as for external ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub internal_spring_n_m: Option<f64>,
-    /// C, N s/m.
+    /// Damping C, N s/m.
     pub damping_n_s_m: f64,
     /// Penetration at which S reaches 1, m.
     pub ramp_m: f64,
-    /// mu; 0: no friction.
+    /// Friction coefficient mu; 0: no friction.
     pub friction_coefficient: f64,
     /// Sliding speed at which friction reaches mu F_n, m/s.
     pub friction_ramp_m_s: f64,
     /// Form of the friction.
     pub friction_law: FrictionLaw,
-    /// mu_d (friction law `adams` only, where mu is the static coefficient).
+    /// Dynamic coefficient mu_d (friction law `adams` only, with mu as the static coefficient).
     pub friction_dynamic_coefficient: f64,
-    /// Sliding speed from which mu_d holds, m/s (friction law `adams` only).
+    /// Sliding speed from which mu_d acts, m/s (friction law `adams` only).
     pub friction_dynamic_speed_m_s: f64,
-    /// K of laws with one stiffness for all contacts, N/m^1.5.
+    /// Stiffness K of laws with one stiffness for all contacts, N/m^1.5.
     pub constant_stiffness_n_m15: f64,
-    /// c of the hysteresis laws, 0 < c <= 1.
+    /// Restitution c of the hysteresis laws, 0 < c <= 1.
     pub restitution: f64,
-    /// v0 of the hysteresis laws, m/s: an impact at this speed has the restitution c.
+    /// Impact speed v0 of the hysteresis laws, m/s, at which the restitution is c.
     pub impact_speed_m_s: f64,
-    /// Length of the line of a line contact, m.
+    /// Length of a line contact, m.
     pub line_length_m: f64,
     /// Depth of a disc behind a contact, m; `None`: the wall between a hole and the profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc_depth_m: Option<f64>,
-    /// Method that finds the contact point.
+    /// Method that computes the contact point.
     pub detection: Detection,
     /// Points on a disc's profile (points detection only).
     pub wheel_points: usize,
@@ -301,16 +302,16 @@ pub struct Bearings {
     /// Stiffness of an output pin against bending at its pin, N/m; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_sleeve_stiffness_n_m: Option<f64>,
-    /// Ends at which the output pins are held; `None`: not known, and their bending is not judged.
+    /// Ends at which the output pins are held; `None`: unknown, so their bending is not judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_sleeves_held: Option<Held>,
-    /// Gap between discs, and between a disc and what holds the pins beside it, m; `None`: 0.
+    /// Gap between discs, and between a disc and the pins' support beside it, m; `None`: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_sleeve_gap_m: Option<f64>,
     /// Torsional stiffness of carrier and flange beyond the output pins, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
-    /// Friction of a sleeve on its pin, with its bore; `None`: it turns freely.
+    /// Coefficient of friction of a sleeve on its pin; `None`: it turns freely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_coefficient: Option<f64>,
     /// Bore of the pins, m.
@@ -328,9 +329,9 @@ pub struct Bearings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Held {
-    /// In one flange, rigidly.
+    /// Held in one flange, rigidly.
     OneEnd,
-    /// In a flange on either side of the discs, free to turn there.
+    /// Held in a flange on either side of the discs, free to turn there.
     BothEnds,
 }
 
@@ -380,7 +381,7 @@ pub struct Temperature {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Limits {
-    /// Largest p0 of a contact, Pa.
+    /// Largest pressure p0 of a contact, Pa.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pressure_pa: Option<f64>,
     /// Largest bending stress of an output pin, Pa.
@@ -392,10 +393,10 @@ pub struct Limits {
     /// Least static safety of a bearing that carries a disc.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub static_safety: Option<f64>,
-    /// Least basic rating life of that bearing, h.
+    /// Least basic rating life of a bearing that carries a disc, h.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub life_h: Option<f64>,
-    /// Least wall of a disc between its holes, or from one to edge or bore, m.
+    /// Least wall of a disc between its holes, or from a hole to edge or bore, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wall_m: Option<f64>,
 }
@@ -406,18 +407,18 @@ impl Limits {
     }
 }
 
-/// The elastic bearing between an eccentric and its disc: F = K max(0, d - g)^p along the offset d of their centres, and
+/// Elastic bearing between an eccentric and its disc: F = K max(0, d - g)^p along the offset d of their centres, and
 /// damping. Either K is given, or rollers after Palmgren.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EccentricBearing {
-    /// K, N/m^p.
+    /// Stiffness K, N/m^p.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m: Option<f64>,
-    /// p; `None`: 1.
+    /// Exponent p; `None`: 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exponent: Option<f64>,
-    /// Number of rollers, where they give K.
+    /// Number of rollers, if these determine K.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rollers: Option<usize>,
     /// Length of the rollers, m.
@@ -426,16 +427,17 @@ pub struct EccentricBearing {
     /// Diameter of the rollers, m; for the bearing's ratings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roller_diameter_m: Option<f64>,
-    /// g, radial clearance, m; `None`: 0.
+    /// Radial clearance g, m; `None`: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,
-    /// c along the offset while the bearing carries, N s/m; `None`: [`DAMPING_SHARE`](Self::DAMPING_SHARE) of critical.
+    /// Damping c along the offset while the bearing is loaded, N s/m; `None`: [`DAMPING_SHARE`](Self::DAMPING_SHARE) of
+    /// critical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_m: Option<f64>,
     /// Friction coefficient mu of the moment mu F d/2 against rotation; `None`: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_coefficient: Option<f64>,
-    /// d, diameter of its bore, m.
+    /// Bore diameter d, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bore_m: Option<f64>,
     /// Basic dynamic rating C, N (ISO 281); for the bearing's life.
@@ -443,14 +445,14 @@ pub struct EccentricBearing {
     pub dynamic_rating_n: Option<f64>,
 }
 
-/// The first stage and the cranks of an RV reducer: a sun drives planets, each on a crank whose eccentrics carry the discs.
-/// Cranks stand in the place of output pins: on a circle of the output, which carries them.
+/// First stage and cranks of an RV reducer: a sun drives planets, each on a crank whose eccentrics carry the discs. Cranks
+/// replace output pins, on a circle of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cranks {
     /// Number of cranks, evenly spaced.
     pub count: usize,
-    /// Radius of the circle they stand on, m.
+    /// Radius of the cranks' circle, m.
     pub circle_radius_m: f64,
     /// Radius of a disc's bore for a crank's eccentric and its bearing, m.
     pub bore_radius_m: f64,
@@ -458,7 +460,7 @@ pub struct Cranks {
     pub sun_teeth: usize,
     /// Teeth of a planet.
     pub planet_teeth: usize,
-    /// Stiffness of what holds a crank in the output, N/m; `None`: a rigid revolute.
+    /// Stiffness of a crank's support in the output, N/m; `None`: a rigid revolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support_stiffness_n_m: Option<f64>,
     /// Stiffness of the mesh of the sun with a planet along the line of action, N/m; `None`: rigid.
@@ -466,7 +468,7 @@ pub struct Cranks {
     pub mesh_stiffness_n_m: Option<f64>,
 }
 
-/// Form of the equations of motion that is integrated.
+/// Form of the equations of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Formulation {
@@ -481,11 +483,11 @@ pub enum Formulation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stabilisation {
-    /// None, as published: only the accelerations are constrained.
+    /// None, as published: only accelerations are constrained.
     None,
     /// Baumgarte's feedback of position and velocity errors.
     Baumgarte,
-    /// Positions and velocities are put back onto the constraints at every stage.
+    /// Projection of positions and velocities onto the constraints at every stage.
     Projection,
 }
 
@@ -493,7 +495,7 @@ pub enum Stabilisation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
-    /// Form of the equations of motion that is integrated.
+    /// Form of the equations of motion.
     pub formulation: Formulation,
     /// Name of the integrator (`rk2`, `rk4`, `etd-adams`, ...).
     pub integrator: String,
@@ -503,17 +505,17 @@ pub struct Solver {
     pub tolerance: f64,
     /// End time, s.
     pub duration_s: f64,
-    /// Time series hold 0, sample_s, 2 sample_s, ..., duration_s.
+    /// Sampling interval, s: samples at 0, sample_s, 2 sample_s, ..., duration_s.
     pub sample_s: f64,
     /// Constraint stabilisation of the Lagrange form.
     pub stabilisation: Stabilisation,
 }
 
-/// Channels that are recorded beyond the contract's columns.
+/// Channels recorded beyond the contract's columns.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Output {
-    /// Names of channels ([`crate::channels::FAMILIES`]), in which `*` stands for any characters.
+    /// Names of channels ([`crate::channels::FAMILIES`]); `*` matches any characters.
     pub channels: Vec<String>,
 }
 
@@ -523,7 +525,7 @@ impl Output {
     }
 }
 
-/// The published gearbox, the preset `paper`: what studies of it begin with.
+/// Published gearbox, the preset `paper`.
 static PAPER: LazyLock<Scene> = LazyLock::new(|| {
     let text = crate::preset("paper").unwrap_or_default();
     // The text is embedded, and tests read it.
@@ -531,14 +533,14 @@ static PAPER: LazyLock<Scene> = LazyLock::new(|| {
 });
 
 impl Scene {
-    /// The published gearbox, the preset `paper`: what studies of it begin with.
+    /// Returns the published gearbox, the preset `paper`.
     #[must_use]
     pub fn paper() -> Self {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with what it carries on its circle, output pins, cranks or ring pins, kg m^2. Pins that
-    /// do not turn by themselves turn with the output.
+    /// Returns the moment of inertia of the output shaft with output pins, cranks or ring pins on its circle, kg m^2. Pins
+    /// that do not turn by themselves turn with the output.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
@@ -562,19 +564,19 @@ impl Scene {
 }
 
 impl Gear {
-    /// zs, lobes of a disc.
+    /// Returns the number of lobes zs of a disc.
     #[must_use]
     pub fn lobes(&self) -> usize {
         self.external_sleeves - 1
     }
 
-    /// e zs, m: the lever of a pin's force about a disc's centre at most.
+    /// Returns e zs, m: the largest lever of a pin's force about a disc's centre.
     #[must_use]
     pub fn lever_m(&self) -> f64 {
         self.eccentricity_m * self.lobes() as f64
     }
 
-    /// R = e zk/m, m: radius of the circle the ring pins sit on without backlash.
+    /// Returns R = e zk/m, m: radius of the ring pins' circle without backlash.
     #[must_use]
     pub fn pitch_radius_m(&self) -> f64 {
         self.eccentricity_m * self.external_sleeves as f64 / self.shortening
@@ -582,12 +584,12 @@ impl Gear {
 }
 
 impl Solver {
-    /// Number of samples: 0, sample_s, 2 sample_s, ... and the end itself.
+    /// Returns the sample times 0, sample_s, 2 sample_s, ... and the end.
     #[must_use]
     pub fn sample_times_s(&self) -> Vec<f64> {
         let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
         let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
-        // The end belongs to the time series even when it is no multiple of the sampling step.
+        // The end is a sample even if it is no multiple of the interval.
         match times.last_mut() {
             Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {
                 times.push(self.duration_s)
@@ -599,7 +601,7 @@ impl Solver {
     }
 }
 
-/// Half of an interval.
+/// Symmetric interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlusMinus {
@@ -608,7 +610,7 @@ pub struct PlusMinus {
 }
 
 impl PlusMinus {
-    /// Standard uncertainty of a value that is as likely anywhere within.
+    /// Returns the standard uncertainty of a value distributed uniformly over the interval.
     #[must_use]
     pub fn standard(self) -> f64 {
         self.plus_minus / 3.0_f64.sqrt()
@@ -619,18 +621,18 @@ impl PlusMinus {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
-    /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
+    /// Excess of the generating pin's radius over the ring pin's, m; positive values move the edge inwards.
     pub equidistant_m: f64,
     /// Excess of the generating circle's radius over R, m; a negative value makes the disc smaller.
     pub radial_m: f64,
     /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
     pub rotational_rad: f64,
-    /// Offset of the generating curve along its inward normal: a profile of one's own.
+    /// Offset of the generating curve along its inward normal: a user-defined profile.
     #[serde(skip_serializing_if = "NormalOffset::is_none")]
     pub normal_m: NormalOffset,
 }
 
-/// Offset of a generating curve along its inward normal over the phase of a lobe, the same for all lobes: points or a series.
+/// Offset of a generating curve along its inward normal over the phase of a lobe, equal for all lobes: points or a series.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct NormalOffset {
@@ -645,36 +647,36 @@ pub struct NormalOffset {
     pub sin_m: Vec<f64>,
 }
 
-/// Deviations of single parts from their places and sizes; an empty list: none. Angles and directions: the nominal
-/// part's radius outwards, and counter-clockwise across it.
+/// Deviations of single parts in position and size; an empty list: none. Directions: outwards along the nominal part's
+/// radius, and counter-clockwise across it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Errors {
-    /// Ring pins, outwards, m.
+    /// Ring pins, displacement outwards, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_radial_m: Vec<f64>,
-    /// Ring pins, counter-clockwise, m.
+    /// Ring pins, displacement counter-clockwise, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_tangential_m: Vec<f64>,
-    /// Radii of ring pins, m.
+    /// Ring pins, error of the radius, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_radius_m: Vec<f64>,
-    /// Output pins, outwards from the output's axis, m.
+    /// Output pins, displacement outwards from the output's axis, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_radial_m: Vec<f64>,
-    /// Output pins, counter-clockwise, m.
+    /// Output pins, displacement counter-clockwise, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_tangential_m: Vec<f64>,
-    /// Radii of output pins, m.
+    /// Output pins, error of the radius, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_radius_m: Vec<f64>,
-    /// Holes, outwards from their disc's centre, m; disc by disc.
+    /// Holes, displacement outwards from their disc's centre, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radial_m: Vec<f64>,
-    /// Holes, counter-clockwise, m; disc by disc.
+    /// Holes, displacement counter-clockwise, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_tangential_m: Vec<f64>,
-    /// Radii of holes, m; disc by disc.
+    /// Holes, error of the radius, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radius_m: Vec<f64>,
     /// Error of the angle of each crank of an RV gear, rad.

@@ -1,24 +1,24 @@
-//! Numbers in messages: short, and rounded to the safe side where they are advice.
+//! Numbers in messages: short, and rounded to the safe side for advice.
 
-/// Nearly half a unit in the last place, so that a value of four digits stays what it is.
+/// Slightly less than half a unit in the last place, so that a value of four digits is unchanged.
 const LEAN: f64 = 0.499_999_99;
 
-/// Six significant digits, no trailing zeros.
+/// Formats with six significant digits, without trailing zeros.
 pub fn short(value: f64) -> String {
     rounded(value, 6, 0.0)
 }
 
-/// Four significant digits, never above `value`: advice that keeps its promise.
+/// Formats with four significant digits, never above `value`.
 pub fn below(value: f64) -> String {
     rounded(value, 4, -LEAN)
 }
 
-/// Four significant digits, never below `value`.
+/// Formats with four significant digits, never below `value`.
 pub fn above(value: f64) -> String {
     rounded(value, 4, LEAN)
 }
 
-/// Returns a value as a scene file writes it, without the rounding of the last bit: 0.0065, not 0.006500000000000001.
+/// Formats a value for a scene file, without the rounding error of the last bit: 0.0065, not 0.006500000000000001.
 pub fn written(value: f64) -> String {
     format!("{:?}", nearest(value, 12))
 }
@@ -43,14 +43,14 @@ pub(crate) fn nearest(value: f64, digits: i32) -> f64 {
     text.parse().unwrap_or(value)
 }
 
-/// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
+/// Rounds a length, m, down to two significant digits in millimetres, as on a drawing.
 pub fn rounded_down(length_m: f64) -> f64 {
     let mm = 1e3 * length_m;
     if !(mm > 0.0 && mm.is_finite()) {
         return length_m;
     }
     let unit = 10_f64.powi(mm.log10().floor() as i32 - 1);
-    // A number that is one of two digits already stays it, whatever its last bit.
+    // A number of two digits stays the same in spite of its last bit.
     let digits = (mm / unit + 1e-9).floor();
     nearest(digits * unit * 1e-3, 12)
 }

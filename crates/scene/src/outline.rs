@@ -1,8 +1,9 @@
-//! A cycloidal disc as a drawing: its edge as a polygon of a stated chord error, and its holes.
+//! Drawing of a cycloidal disc: its edge as a polygon with a stated chord error, and its holes.
 //!
-//! The edge repeats zs times, and every lobe is the mirror image of itself, so half a lobe is drawn: from the lobe's tip to the
-//! pit's bottom; of a profile of one's own all of it. With a rotational modification delta that half lies on the profile turned by -delta, between the polar angles 0
-//! and pi/zs ([`crate::deviations`]). All points lie on the edge; the error is how far the edge bulges over the chords.
+//! The edge repeats zs times, and every lobe is its own mirror image, so only half a lobe is drawn, from the lobe's tip to
+//! the pit's bottom; of a user-defined profile a full lobe. With a rotational modification delta that half lies on the
+//! profile turned by -delta, between the polar angles 0 and pi/zs ([`crate::deviations`]). All corners lie on the edge; the
+//! error is its largest distance from the chords.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,13 +14,13 @@ use crate::profile::Profile;
 
 /// Points on the edge that are checked between two corners before a chord is accepted.
 const LOOKS: usize = 7;
-/// Halvings of half a lobe at most: a million chords.
+/// Largest number of halvings of half a lobe: a million chords.
 const HALVINGS: u32 = 20;
 
-/// A disc in its own frame: the origin is its centre, a lobe's tip lies on the x axis.
+/// Disc in its own frame: the origin is its centre, a lobe's tip lies on the x axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
-    /// Corners of the edge, m, counter-clockwise; the last one is joined to the first.
+    /// Corners of the edge, m, counter-clockwise, closed from last to first.
     pub edge_m: Vec<[f64; 2]>,
     /// Largest distance of the edge from its chords, m.
     pub chord_error_m: f64,
@@ -28,7 +29,7 @@ pub struct Outline {
 }
 
 impl Gear {
-    /// The disc `wheel`, with all modifications and errors, drawn to the chord error `chord_m` (m).
+    /// Draws the disc `wheel` with all modifications and errors to the chord error `chord_m`, m.
     ///
     /// ```
     /// use pinwheel_scene::Scene;
@@ -57,7 +58,7 @@ impl Gear {
         let half: Vec<[f64; 2]> = half.iter().map(|&a| edge.point(a)).collect();
         let lobes = self.external_sleeves - 1;
         let pitch = TAU / lobes as f64;
-        // A lobe of one's own need not be the mirror image of itself: all of it is drawn.
+        // A user-defined lobe may be asymmetric, so all of it is drawn.
         let mirrors = self.modification.normal_m.is_none();
         let mut edge_m = Vec::with_capacity(2 * (half.len() - 1) * lobes);
         for lobe in 0..lobes {
@@ -71,11 +72,11 @@ impl Gear {
             if !mirrors {
                 continue;
             }
-            // The other half, without the pit's bottom and the next tip, which begins the next lobe.
+            // The other half without the pit's bottom and the next tip, which begins the next lobe.
             let mirrored = half[1..half.len() - 1].iter().rev();
             edge_m.extend(mirrored.map(|&[x, y]| turned([x, -y], turn + pitch)));
         }
-        // Holes are cut where eccentrics without errors put their pins.
+        // Holes are cut at the pins' positions for eccentrics without errors.
         let start = (PI - TAU * wheel as f64 / self.wheels as f64) / lobes as f64;
         let hole = |k| {
             (
@@ -96,11 +97,11 @@ fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
-/// Half a lobe, or all of one.
+/// Edge of half a lobe, or of a full one.
 struct Edge {
     profile: Profile,
     delta: f64,
-    /// Parameters of its ends on the profile.
+    /// Parameters of the edge's ends on the profile.
     ends: [f64; 2],
 }
 
@@ -123,7 +124,7 @@ impl Edge {
         edge
     }
 
-    /// The parameter at which the profile has this polar angle, within a lobe: it rises with the parameter.
+    /// Returns the parameter of the profile with this polar angle, within a lobe; both increase together.
     fn at_polar(&self, wanted: f64) -> f64 {
         let (mut low, mut high) = (0.0, TAU / self.profile.lobes());
         for _ in 0..60 {
@@ -142,7 +143,7 @@ impl Edge {
         turned(self.profile.offset_point(a), -self.delta)
     }
 
-    /// Parameters of the corners.
+    /// Returns the parameters of the corners.
     fn half(&self, chord_m: f64) -> Vec<f64> {
         let mut corners = vec![self.ends[0]];
         self.halve(self.ends, chord_m, HALVINGS, &mut corners);
@@ -150,7 +151,7 @@ impl Edge {
     }
 
     fn halve(&self, [from, to]: [f64; 2], chord_m: f64, left: u32, corners: &mut Vec<f64>) {
-        // At least four chords: the two ends of a wave may lie on one straight line with its middle.
+        // At least four chords: both ends and the middle of a wave may lie on a straight line.
         let fine = HALVINGS - left >= 2 && self.bulge([from, to], LOOKS) <= chord_m;
         if fine || left == 0 {
             corners.push(to);

@@ -1,8 +1,8 @@
-//! From TOML text, its base and overrides to a checked scene.
+//! Conversion of TOML text, its base and overrides to a checked scene.
 //!
-//! The base is laid down first, the file over it and then the overrides, key by key, each remembered with its place. So
-//! a key that does not exist is caught where it stands, a wrong type too, and a check that fails later still knows the
-//! line to name. What nobody wrote is filled in by [`crate::keys`], and listed as an assumption.
+//! The base comes first, then the file and then the overrides, key by key, each stored with its place. An unknown key or a
+//! wrong type is thus reported at its line, and so is a check that fails later. Omitted keys are filled in by
+//! [`crate::keys`], and listed as assumptions.
 
 mod edit;
 mod layers;
@@ -42,7 +42,7 @@ pub struct Draft {
 }
 
 impl Draft {
-    /// Reads `spec` as [`Scene::load`] does and applies the overrides; nothing is filled in or checked together yet.
+    /// Reads `spec` like [`Scene::load`] and applies the overrides; omitted keys stay open and combinations unchecked.
     ///
     /// # Errors
     /// The first fault, on one line with its remedy.
@@ -62,11 +62,11 @@ impl Draft {
         })
     }
 
-    /// Returns the scene with more overrides, as [`Scene::load`] would with the old and the new overrides together. Their values are
-    /// known: what the scene says of their uncertainty is left out.
+    /// Returns the scene with more overrides, like [`Scene::load`] with the old and the new overrides together. Overridden
+    /// values are exact: their uncertainties are removed.
     ///
     /// # Errors
-    /// As [`Scene::load`].
+    /// Errors of [`Scene::load`].
     pub fn with(&self, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
         if overrides.iter().any(|set| set.key() == BASE) {
             let all = [self.overrides.as_slice(), overrides].concat();
@@ -84,8 +84,8 @@ impl Draft {
 }
 
 impl Scene {
-    /// Loads `spec`, the bare name of a preset (`paper`) or the path of a scene file, applies the
-    /// overrides and checks the result.
+    /// Loads `spec`, the name of a preset (`paper`) or the path of a scene file, applies the overrides and checks the
+    /// result.
     ///
     /// # Errors
     /// The first fault, on one line with its remedy.
@@ -93,12 +93,11 @@ impl Scene {
         Draft::load(spec, overrides)?.layers.finish()
     }
 
-    /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file that holds one), applies
-    /// the overrides in their order, fills in what is left out, and checks the
-    /// result.
+    /// Reads a scene from TOML text (or JSON, which begins with a brace: a scene, or a job file with one), applies the
+    /// overrides in their order, fills in omitted keys, and checks the result.
     ///
-    /// `source_name` is the file's or preset's name for messages, and where a `base` is looked for beside it. A scene
-    /// without `name` takes the file's (`gears/mine.toml` gives `mine`).
+    /// `source_name` is the file's or preset's name for messages; a relative `base` is searched beside it. A scene without
+    /// `name` takes the file's (`gears/mine.toml` gives `mine`).
     ///
     /// # Errors
     /// The first fault, with its key, line and remedy.
@@ -110,7 +109,7 @@ impl Scene {
         Layers::read(text, source_name, overrides)?.finish()
     }
 
-    /// Reads what [`to_toml`](Self::to_toml) wrote, and checks it again. With nothing to fill in and no line to name this
+    /// Reads the output of [`to_toml`](Self::to_toml), and checks it again. Without omitted keys and line numbers this
     /// takes a quarter of the time of [`from_toml`](Self::from_toml).
     ///
     /// # Errors
@@ -122,10 +121,10 @@ impl Scene {
         scene.check().map_err(located)
     }
 
-    /// The scene as TOML with every key written out.
+    /// Returns the scene as TOML with every key.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        // Tables of numbers and strings always serialise; floats print with all their digits.
+        // Tables of numbers and strings always serialise; floats keep all their digits.
         toml::to_string(self).unwrap_or_default()
     }
 }

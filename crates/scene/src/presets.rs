@@ -1,11 +1,11 @@
-//! The presets: the files of `reference/scenes`, embedded so that they travel with the program.
+//! Presets: the files of `reference/scenes`, embedded in the program.
 
-/// One embedded scene.
+/// Embedded scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Preset {
-    /// Bare name, `paper` for `reference/scenes/paper.toml`.
+    /// Name, `paper` for `reference/scenes/paper.toml`.
     pub name: &'static str,
-    /// The file's text.
+    /// Text of the file.
     pub text: &'static str,
 }
 
@@ -43,7 +43,7 @@ pub const PRESETS: &[Preset] = presets![
     "rv-40e-like",
     "rv-80e-like",
     "rv-160n-like",
-    // Hard on integrators: each one's description says why.
+    // Hard cases for integrators; the description of each gives the reason.
     "hard-adhesive",
     "hard-all-open",
     "hard-backlash-0.1",
@@ -83,7 +83,7 @@ pub const PRESETS: &[Preset] = presets![
     "hard-zero-load-friction",
 ];
 
-/// Text of the preset called `name`.
+/// Returns the text of a preset.
 #[must_use]
 pub fn preset(name: &str) -> Option<&'static str> {
     let mut all = PRESETS.iter();

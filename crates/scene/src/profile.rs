@@ -1,14 +1,14 @@
-//! The curve C the ring pin centres touch, as far as the checks need it.
+//! Curve C of the ring pins' centres relative to a disc, for checks.
 //!
-//! C(a) = R e^{ia} + e e^{i zk a} with R = e zk/m (Eq. 1 without its q terms). The disc profile is
-//! the inward offset of C by q (R and q with their modifications, [`crate::deviations`]), so what can go wrong with a profile is read off C:
-//! with c = cos(zs a), curvature kappa(c) = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^1.5).
+//! C(a) = R e^{ia} + e e^{i zk a} with R = e zk/m (Eq. 1 without its q terms). The disc profile is the inward offset of C
+//! by q (R and q with their modifications, [`crate::deviations`]), so C shows faults of a profile: with c = cos(zs a),
+//! curvature kappa(c) = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^1.5).
 
 use pinwheel_contact::{CurvePoint, Epitrochoid};
 
 use super::model::Gear;
 
-/// The epitrochoid of a gear whose numbers are positive and finite and whose zk is at least 3.
+/// Epitrochoid of a gear with positive, finite numbers and zk of at least 3.
 #[derive(Debug, Clone)]
 pub struct Profile {
     eccentricity: f64,
@@ -16,7 +16,7 @@ pub struct Profile {
     offset: f64,
     shortening: f64,
     pins: f64,
-    /// C with an offset of its own.
+    /// Curve C with a user-defined offset.
     own: Option<Epitrochoid>,
 }
 
@@ -37,12 +37,12 @@ impl Profile {
         self.own.as_ref().map(|curve| curve.at(a))
     }
 
-    /// zs.
+    /// Returns the number of lobes zs.
     pub fn lobes(&self) -> f64 {
         self.pins - 1.0
     }
 
-    /// C(a), m, in the disc's frame.
+    /// Returns C(a), m, in the disc's frame.
     pub fn point(&self, a: f64) -> [f64; 2] {
         if let Some(at) = self.own_at(a) {
             return [at.position.re, at.position.im];
@@ -55,7 +55,7 @@ impl Profile {
         ]
     }
 
-    /// The profile C - q n, m, in the disc's frame.
+    /// Returns the profile C - q n, m, in the disc's frame.
     pub fn offset_point(&self, a: f64) -> [f64; 2] {
         if let Some(at) = self.own_at(a) {
             let point = at.position - at.normal.scale(self.offset);
@@ -67,7 +67,7 @@ impl Profile {
         [x - scale * tangent[1], y + scale * tangent[0]]
     }
 
-    /// dP/da of the profile, m: C' (1 - q kappa), for the offset of a curve is parallel to it.
+    /// Returns dP/da of the profile, m: C' (1 - q kappa), because the offset of a curve is parallel to it.
     pub fn offset_slope(&self, a: f64) -> [f64; 2] {
         if let Some(at) = self.own_at(a) {
             let slope = at.speed * (1.0 - self.offset * at.curvature);
@@ -78,7 +78,7 @@ impl Profile {
         self.tangent(a).map(|x| scale * x)
     }
 
-    /// C' divided by R: i (e^{ia} + m e^{i zk a}); its length is at least 1 - m > 0.
+    /// Returns C' divided by R: i (e^{ia} + m e^{i zk a}); its length is at least 1 - m > 0.
     fn tangent(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
@@ -86,7 +86,7 @@ impl Profile {
         [-sin - m * sin_k, cos + m * cos_k]
     }
 
-    /// kappa of C at cos(zs a) = c, 1/m; positive on a lobe.
+    /// Returns the curvature kappa of C at cos(zs a) = c, 1/m; positive on a lobe.
     pub fn curvature(&self, c: f64) -> f64 {
         if let Some(at) = self.own_at(c.acos() / self.lobes()) {
             return at.curvature;
@@ -96,14 +96,13 @@ impl Profile {
             / (self.radius * (1.0 + m * m + 2.0 * m * c).powf(1.5))
     }
 
-    /// Smallest convex radius of C, m: a larger pin undercuts the disc.
+    /// Returns the smallest convex radius of C, m: a larger pin undercuts the disc.
     ///
-    /// kappa is largest at an end of c in [-1, 1] or where its derivative vanishes,
-    /// c = ((1 + zk)(1 + m^2) - 3 - 3 m^2 zk)/(m (1 + zk)); there the radius is
-    /// R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3).
+    /// kappa is largest at an end of c in [-1, 1] or at a zero of its derivative, c = ((1 + zk)(1 + m^2) - 3 - 3 m^2 zk)/(m
+    /// (1 + zk)); there the radius is R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3).
     pub fn smallest_convex_radius(&self) -> f64 {
         if let Some(curve) = &self.own {
-            // Inside of this reach, whose margin is a tenth, an edge neither folds nor crosses itself.
+            // Within this reach, which has a margin of a tenth, an edge neither folds nor crosses itself.
             return curve.reach_inside;
         }
         let (m, zk) = (self.shortening, self.pins);
@@ -115,7 +114,7 @@ impl Profile {
         1.0 / kappa
     }
 
-    /// Radii of the profile's pits and tips, its smallest and largest distance from the disc centre, m.
+    /// Returns the radii of the profile's pits and tips, its smallest and largest distance from the disc centre, m.
     pub fn radii(&self) -> [f64; 2] {
         if self.own.is_none() {
             let [pit, tip] = [-self.eccentricity, self.eccentricity];
@@ -132,15 +131,15 @@ impl Profile {
             })
     }
 
-    /// Radius of the profile's pits, m.
+    /// Returns the radius of the profile's pits, m.
     pub fn pit_radius(&self) -> f64 {
         self.radii()[0]
     }
 
-    /// Distance from `point` to the part of C within `reach` radians of `around`, m.
+    /// Returns the distance from `point` to the part of C within `reach` radians of `around`, m.
     ///
-    /// `samples` evenly spaced points, then the best one refined by ternary search: C is smooth, so
-    /// between neighbours of the best sample the distance has one minimum when samples are dense.
+    /// Takes the best of `samples` evenly spaced points and refines it by ternary search. C is smooth, so with dense
+    /// samples the distance has one minimum between the best sample's neighbours.
     pub fn distance(&self, point: [f64; 2], around: f64, reach: f64, samples: usize) -> f64 {
         let at = |a: f64| {
             let [x, y] = self.point(a);

@@ -1,12 +1,12 @@
-//! Numbers as people type them: with a unit, with a comma, as a ratio. What a scene holds is SI without a unit.
+//! Typed numbers with a unit, with a comma or as a ratio. Scenes use SI without units.
 
 use std::f64::consts::PI;
 
 use crate::keys::KEYS;
 use crate::number::nearest;
 
-/// Units: the unit as typed, in lower case with `_` for blanks; the base unit, as it ends the names of keys; and the size
-/// of the typed unit in base units.
+/// Units: as typed, in lower case with `_` for blanks; the base unit at the end of names of keys; and the typed unit in
+/// base units.
 const UNITS: [(&str, &str, f64); 29] = [
     ("m", "m", 1.0),
     ("mm", "m", 1e-3),
@@ -46,7 +46,7 @@ pub fn read(typed: &str, wanted: &str) -> Option<f64> {
     let typed = typed.trim();
     let is_number = |c: char| c.is_ascii_digit() || "+-.,eE".contains(c);
     let mut end = typed.find(|c| !is_number(c)).unwrap_or(typed.len());
-    // An `e` may begin a word.
+    // A unit may begin with `e`.
     while end > 0 && !typed[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.') {
         end -= 1;
     }
@@ -64,15 +64,15 @@ pub fn read(typed: &str, wanted: &str) -> Option<f64> {
     (base == same).then(|| nearest(number * factor / whole, 12))
 }
 
-/// Returns the unit with which a key's name ends: `m`, `rad_s`.
+/// Returns the unit as the end of a key's name: `m`, `rad_s`.
 pub(crate) fn ending(unit: &str) -> String {
     unit.to_lowercase()
         .replace([' ', '/'], "_")
         .replace('^', "")
 }
 
-/// Returns the key that was meant by a key with another unit, e.g. `drive.input_speed_rpm`, and the factor from the typed
-/// unit to the unit of that key.
+/// Returns the key intended by one with another unit, e.g. `drive.input_speed_rpm`, and the factor from the typed unit to
+/// the key's.
 pub(crate) fn of_another_unit(key: &str) -> Option<(&'static str, f64)> {
     UNITS.iter().find_map(|(unit, base, factor)| {
         let stem = key.strip_suffix(unit)?.strip_suffix('_')?;

@@ -1,16 +1,16 @@
-//! The characteristic sizes of a gear under its largest static load: forces, penetrations, frequencies.
+//! Characteristic sizes of a gear under its largest static load: forces, penetrations, frequencies.
 //!
-//! They set error scales, steps, samples and windows, so that a gear of millimetres and one of metres are treated
-//! alike. Linear springs without clearance: the most loaded pin of a stage carries about F = 4 T/(l z) (T: load on one
-//! disc, l: lever, e zs or R_w, z: pins). The scene's own law tells how far it is pressed in by that, and its tangent
-//! stiffness k. A quarter of all pins, weighted by their levers, make
-//! the torsional stiffness k l^2 z/4. All discs in phase and the output are then two masses on two springs:
+//! The sizes set error scales, steps, samples and windows, so that gears of millimetres and of metres are treated alike. Linear
+//! springs without clearance: the most loaded pin of a stage carries about F = 4 T/(l z) (T: load on one disc, l: lever, e
+//! zs or R_w, z: pins). The scene's law gives its penetration and tangent stiffness k under that force. A quarter of all
+//! pins, weighted by their levers, make the torsional stiffness k l^2 z/4. All discs in phase and the output are then two
+//! masses on two springs:
 //!
 //! ```text
 //! I_w theta'' = -A theta - B (theta - psi),    I_o psi'' = -w B (psi - theta)
 //! ```
-//! whose two modes are in closed form. Impacts press deeper than the load does and are a little stiffer (by the cube root
-//! of the depth's square root for a point contact), which is what the verification of a run is for.
+//! with two modes in closed form. Impacts press deeper than the load and are a little stiffer (by the cube root of the
+//! depth's square root for a point contact); the verification of a run covers that.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ use crate::springs::{outer, wheel_torque_of};
 /// Characteristic sizes of a gear, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
-    /// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
+    /// Load torque on one disc, N m: the largest of the run; of an unloaded gear the torque of the [`least_depth`].
     pub wheel_torque_n_m: f64,
     /// Largest static force of a ring pin on a disc, N.
     pub external_force_n: f64,
@@ -38,15 +38,15 @@ pub struct Scales {
     pub modes_rad_s: [f64; 2],
 }
 
-/// Free rotation of a disc to one side because of backlash and modification, rad, among pins without errors at all
-/// angles: d sqrt(1 - m^2)/(e zs) of a backlash alone, 0 where they overlap.
+/// Returns the free rotation of a disc to one side by backlash and modification, rad, for pins without errors at all
+/// angles: d sqrt(1 - m^2)/(e zs) for a backlash alone, 0 for an overlap.
 #[must_use]
 pub fn free_play(gear: &Gear) -> f64 {
     let m = gear.shortening;
     if gear.modification.is_none() {
         return gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m();
     }
-    // Where every contribution to the play is positive, the pin with the longest lever (cos phi = m) closes it.
+    // If every contribution to the play is positive, the pin with the longest lever (cos phi = m) closes it.
     let share = |cos: f64| {
         let (gap, lever) = gear.initial_gap_m(cos.acos());
         gap / lever
@@ -55,44 +55,44 @@ pub fn free_play(gear: &Gear) -> f64 {
     tried.fold(share(m), f64::min).max(0.0)
 }
 
-/// Upper bound of the free rotation of a disc, rad: [`free_play`] and the most that individual errors add.
+/// Returns an upper bound of the free rotation of a disc, rad: [`free_play`] and the largest effect of individual errors.
 #[must_use]
 pub fn largest_play(gear: &Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
 }
 
-/// Largest free rotation of the output in its holes, rad.
+/// Returns the largest free rotation of the output in its holes, rad.
 #[must_use]
 pub fn largest_hole_play(gear: &Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
     (clearance.max(0.0) + gear.errors.largest_of_holes_m(gear)) / gear.internal_circle_radius_m
 }
 
-/// Share of a scene's largest static force that is rounding: 16 digits, times some ten thousand for what the bodies and a
-/// solver add. 1.0e-9 N for the paper's gear.
+/// Rounding error of forces as a share of a scene's largest static force: 16 digits, times some ten thousand for the sums
+/// of bodies and solver. 1.0e-9 N for the paper's gear.
 const ROUNDING: f64 = 1e-11;
 
 impl Scales {
-    /// Returns the force above which a contact counts as pressing, N. Smaller forces are the rounding of pins that only
-    /// just touch, as all pins do in the ideal mesh of a gear without backlash.
+    /// Returns the force above which a contact counts as pressing, N. Smaller forces are rounding errors of pins that just
+    /// touch, as all do in the ideal mesh of a gear without backlash.
     #[must_use]
     pub fn pressing_n(&self) -> f64 {
         ROUNDING * self.external_force_n
     }
 
-    /// Torque below which there is only rounding, N m.
+    /// Returns the torque below which there is only rounding, N m.
     #[must_use]
     pub fn rounding_n_m(&self) -> f64 {
         ROUNDING * self.wheel_torque_n_m
     }
 
-    /// The scales of a scene whose values are in range.
+    /// Returns the scales of a scene with values in range.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let hertz = hertz(scene);
         let outer = outer(scene, &hertz);
-        // A hole that fits tightly is far stiffer; nothing moves faster than in one with the usual clearance of e.
+        // A tight hole is far stiffer; nothing moves faster than in a hole with the usual clearance of e.
         let sleeve = gear.internal_sleeve_radius_m;
         let hole = gear.hole_radius_m.max(sleeve + gear.eccentricity_m);
         let inner = Spring::of(scene, hertz.of_hole(sleeve, hole));
@@ -131,8 +131,8 @@ impl Scales {
         }
     }
 
-    /// Time after which free vibrations of the slowest mode are a thousandth, s: damping proportional to stiffness
-    /// makes a mode decay at the rate omega^2 C/(2 k). `None` without damping.
+    /// Returns the time after which free vibrations of the slowest mode have fallen to a thousandth, s: with damping
+    /// proportional to stiffness a mode decays at the rate omega^2 C/(2 k). `None` without damping.
     #[must_use]
     pub fn settling_s(&self, damping_n_s_m: f64) -> Option<f64> {
         let [slow, _] = self.modes_rad_s;
@@ -141,7 +141,8 @@ impl Scales {
     }
 }
 
-/// Frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]]: the discs with the output and against it.
+/// Returns the frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]]: the discs with the output and
+/// against it.
 fn modes(scene: &Scene, housing: f64, coupling: f64) -> [f64; 2] {
     let (gear, mass) = (&scene.gear, &scene.mass);
     let radius = gear.internal_circle_radius_m;

@@ -1,4 +1,4 @@
-//! The JSON schema of scene files, from the table of keys: editors complete and check scenes by it.
+//! JSON schema of scene files from the table of keys, for completion and checks in editors.
 
 use serde_json::{Map, Value, json};
 

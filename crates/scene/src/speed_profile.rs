@@ -1,16 +1,16 @@
-//! Speed of the input over time: its start, and the changes by `drive.speed_changes`.
+//! Speed of the input over time: its start and the changes of `drive.speed_changes`.
 //!
 //! ```text
 //! omega(t) = before + (after - before) clamp((t - from)/ramp, 0, 1),    ramp > 0
 //! ```
-//! The speed never jumps, because that takes an infinite torque. The acceleration jumps at both ends of a ramp, so that no step
-//! passes over these ([`load_profile::breaks`](crate::load_profile::breaks)), and is constant between them.
+//! The speed never jumps, because that takes an infinite torque. The acceleration is constant within a ramp and jumps at
+//! both ends, so no step passes over these ([`load_profile::breaks`](crate::load_profile::breaks)).
 
 use pinwheel_mbs::Motion;
 
 use crate::{Drive, Scene};
 
-/// Returns the motions of the input in their order, the first from 0 on: two for each change, its ramp and what follows.
+/// Returns the motions of the input in their order, the first from 0 on: for each change its ramp and the motion after it.
 #[must_use]
 pub fn motions(drive: &Drive) -> Vec<Motion> {
     let mut all = vec![Motion {
@@ -47,13 +47,13 @@ pub fn motion_at(drive: &Drive, t: f64) -> Motion {
     begun.copied().unwrap_or_default()
 }
 
-/// Returns the angle by which the input is ahead of its first speed at time `t` (s), rad; 0 without changes.
+/// Returns the lead of the input's angle over a motion at its first speed at time `t` (s), rad; 0 without changes.
 #[must_use]
 pub fn lead_rad(drive: &Drive, t: f64) -> f64 {
     motion_at(drive, t).at(t).0 - drive.input_speed_rad_s * t
 }
 
-/// Returns the speed of largest magnitude, rad/s: the one that steps must resolve and a design is judged at.
+/// Returns the speed of largest magnitude, rad/s: steps must resolve it, and designs are judged at it.
 #[must_use]
 pub fn fastest_rad_s(drive: &Drive) -> f64 {
     let speeds = drive.speed_changes.iter().map(|c| c.input_speed_rad_s);
@@ -66,7 +66,7 @@ pub fn fastest_rad_s(drive: &Drive) -> f64 {
     })
 }
 
-/// Returns the speed with which a run of `scene` ends, rad/s.
+/// Returns the speed at the end of a run of `scene`, rad/s.
 #[must_use]
 pub fn final_rad_s(scene: &Scene) -> f64 {
     let end = scene.solver.duration_s;

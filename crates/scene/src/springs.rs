@@ -22,8 +22,8 @@ pub fn least_depth(scene: &Scene) -> f64 {
 const DEPTH: &str = "contact.disc_depth_m";
 const SPRING: &str = "contact.external_spring_n_m";
 
-/// Springs of a scene's external and internal contacts, N/m: its own, or the secants of rollers under the largest static
-/// forces.
+/// Returns the springs of a scene's external and internal contacts, N/m: stated, or the secants of rollers under the
+/// largest static forces.
 fn springs(scene: &Scene) -> [f64; 2] {
     let (contact, gear) = (&scene.contact, &scene.gear);
     let mut rollers = scene.clone();
@@ -53,7 +53,7 @@ fn reads(scene: &Scene, key: &str) -> bool {
     law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&key))
 }
 
-/// Writes into the scene the depth of the discs that the law would otherwise measure at each evaluation.
+/// Stores the disc depth, which the law would otherwise compute at each evaluation, in the scene.
 pub fn state_depth(scene: &mut Scene) {
     if reads(scene, DEPTH) {
         let depth = law_parameters(scene).disc_depth;
@@ -61,7 +61,7 @@ pub fn state_depth(scene: &mut Scene) {
     }
 }
 
-/// Parameters that a scene's law reads from it.
+/// Returns the parameters of a scene's law.
 #[must_use]
 pub fn law_parameters(scene: &Scene) -> LawParameters {
     let contact = &scene.contact;
@@ -97,13 +97,13 @@ pub fn law_parameters(scene: &Scene) -> LawParameters {
     }
 }
 
-/// Hertz' stiffness of a scene's materials, as its law wants it.
+/// Returns Hertz' stiffness for a scene's materials and law.
 #[must_use]
 pub fn hertz(scene: &Scene) -> HertzStiffness {
     law_parameters(scene).hertz(&scene.contact.law)
 }
 
-/// The law that a scene names; `None` if there is none of that name.
+/// Returns the law of a scene; `None` for an unknown name.
 #[must_use]
 pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
@@ -119,7 +119,7 @@ pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
     })
 }
 
-/// A contact at rest under a scene's law.
+/// Contact at rest under a scene's law.
 #[derive(Debug, Clone, Copy)]
 pub struct Spring {
     law: Law,
@@ -146,7 +146,7 @@ impl Spring {
         self.law.elastic(self.hertz, depth)
     }
 
-    /// Returns delta under a force, m, and at least `least`.
+    /// Returns delta under a force, m, at least `least`.
     #[must_use]
     pub fn depth(&self, force_n: f64, least: f64) -> f64 {
         if force_n > 0.0 {
@@ -163,30 +163,30 @@ impl Spring {
     }
 }
 
-/// 4 T/(e zs zk): the largest force of a ring pin on a disc under the torque T, N.
+/// Returns 4 T/(e zs zk): the largest force of a ring pin on a disc under the torque T, N.
 #[must_use]
 pub fn external_force(gear: &Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.lever_m() * gear.external_sleeves as f64)
 }
 
-/// 4 T/(zi R_w): the largest force of an output pin on a disc under the torque T, N.
+/// Returns 4 T/(zi R_w): the largest force of an output pin on a disc under the torque T, N.
 #[must_use]
 pub fn internal_force(gear: &Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.internal_sleeves as f64 * gear.internal_circle_radius_m)
 }
 
-/// A ring pin on a disc at rest.
+/// Returns the spring of a ring pin on a disc.
 pub(crate) fn outer(scene: &Scene, hertz: &HertzStiffness) -> Spring {
     Spring::of(scene, hertz.on_flat(scene.gear.external_sleeve_radius_m))
 }
 
-/// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
+/// Returns the load torque on one disc, N m: the largest of the run; of an unloaded gear the torque of the [`least_depth`].
 pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
     wheel_torque_of(scene, &outer(scene, &hertz(scene)))
 }
 
-/// Load torque on one disc for known springs, N m: the largest of the run, but at least a quarter of that of the
-/// unloaded contacts.
+/// Returns the load torque on one disc for known springs, N m: the largest of the run, but at least a quarter of that of
+/// the unloaded contacts.
 pub(crate) fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
     let unloaded = outer.force(least_depth(scene));

@@ -4,7 +4,7 @@ use std::str::FromStr as _;
 
 use toml::{Table, Value};
 
-/// The value at a dotted name.
+/// Returns the value at a dotted name.
 pub(crate) fn lookup<'t>(table: &'t Table, name: &str) -> Option<&'t Value> {
     let mut parts = name.split('.');
     let last = parts.next_back()?;
@@ -24,7 +24,7 @@ pub(crate) fn number(table: &Table, name: &str) -> Option<f64> {
     }
 }
 
-/// Puts a value at a path, making the tables on the way.
+/// Stores a value at a path, with the tables on the way.
 pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
     let Some((last, tables)) = path.split_last() else {
         return;
@@ -39,7 +39,7 @@ pub(crate) fn insert(table: &mut Table, path: &[&str], value: Value) {
     table.insert((*last).to_owned(), value);
 }
 
-/// A usual value of [`crate::keys`], which tests read.
+/// Parses a usual value of [`crate::keys`], which tests check.
 pub(crate) fn usual(text: &str) -> Value {
     Value::from_str(text).unwrap_or(Value::Boolean(false))
 }

@@ -1,4 +1,4 @@
-//! `[uncertain]`: how well the values of a scene are known.
+//! `[uncertain]`: uncertainty of a scene's values.
 //!
 //! ```toml
 //! [uncertain]
@@ -32,7 +32,7 @@ const SECTIONS: [&str; 8] = [
     "cranks",
 ];
 
-/// Refuses entries that are no input of the model, and intervals that leave the range of the key.
+/// Refuses entries that are no inputs of the model, and intervals that leave the range of the key.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     if scene.uncertain.is_empty() {
         return Ok(());

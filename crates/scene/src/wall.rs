@@ -1,17 +1,17 @@
-//! The wall between a disc's holes and its edge.
+//! Wall between a disc's holes and its edge.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::model::Gear;
 use crate::profile::Profile;
 
-/// Wall between a hole and the disc's edge, m, of the hole nearest to it; negative where one leaves the disc.
+/// Returns the smallest wall between a hole and the disc's edge, m; negative if a hole leaves the disc.
 ///
-/// Each hole of each disc is measured where it stands between lobe and pit.
+/// Each hole of each disc is measured at its position relative to lobes and pits.
 pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
-    // Outside C altogether: the distance alone would not tell.
+    // Outside C, which the distance alone does not show.
     if circle >= gear.generating_radius_m() + gear.eccentricity_m {
         return -hole;
     }
@@ -23,10 +23,10 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
         for k in 0..gear.internal_sleeves {
             let nominal = TAU * k as f64 / gear.internal_sleeves as f64;
             let angle = nominal - turned;
-            // All lobes are alike: only the place between two lobes counts.
+            // All lobes are equal, so only the position between two lobes counts.
             let angle = angle.rem_euclid(pitch);
             let needed = gear.hole_radius_of_m(wheel, k) + gear.edge_offset_m();
-            // The common part of two turned discs is as far away as the nearer of both edges.
+            // The distance to the common part of two turned discs is that to the nearer edge.
             for flank in flanks(gear) {
                 let centre = gear.hole_m(wheel, k, angle + flank - nominal);
                 // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
@@ -42,7 +42,7 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     least
 }
 
-/// Rotations of the turned discs whose common part is the modified disc, rad.
+/// Returns the rotations of the turned discs whose common part is the modified disc, rad.
 fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
     let turn = gear.modification.rotational_rad;
     [turn, -turn]
@@ -50,8 +50,8 @@ fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
         .take(if turn == 0.0 { 1 } else { 2 })
 }
 
-/// The parameter a at which C(a) has the polar angle `angle`, by fixed-point iteration with half steps:
-/// the polar angle grows with a at a rate between (1 - m)/(1 - m/zk) > 0 and (1 + m)/(1 + m/zk) < 2.
+/// Returns the parameter a of C(a) with the polar angle `angle`, by fixed-point iteration with half steps: the polar angle
+/// grows with a at a rate between (1 - m)/(1 - m/zk) > 0 and (1 + m)/(1 + m/zk) < 2.
 fn parameter_at(curve: &Profile, angle: f64) -> f64 {
     let mut a = angle;
     for _ in 0..60 {

@@ -1,4 +1,4 @@
-//! Figures of a gear under other contact laws, and with a fit: by statics.
+//! Figures of a gear under other contact laws, and with a fit, by statics.
 //!
 //! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
 //! made under each of them, at the same few poses and without friction. The envelope of what comes out is the band of a figure: an interval, not a
@@ -7,15 +7,15 @@
 //!
 //! | materials | laws |
 //! |---|---|
-//! | steel on steel | `line-hertz` with a third, the whole and three times the disc's depth; `line-contact` (Palmgren), `kunert`, `lundberg` |
+//! | steel on steel | `line-hertz` with a third, one and three times the disc's depth; `line-contact` (Palmgren), `kunert`, `lundberg` |
 //! | others | `line-hertz` with these depths |
 //!
-//! `contact.band_laws` names others.
+//! `contact.band_laws` selects others.
 //!
-//! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them. A gear whose
-//! fits are stated (`[uncertain]`) has an interval *by fit* instead: balances with each toleranced key alone at either end, and with all of
-//! them at the ends that together raise or lower one of the figures of `LEADING`. What lies between the ends may go beyond. Ends at which
-//! there is no gear are named ([`Fits::refused`]).
+//! A uniform profile cut for play changes forces more than all of these, so two cuts are also computed. A gear with stated
+//! fits (`[uncertain]`) has an interval *by fit* instead: balances with each toleranced key alone at either end, and with
+//! all of them at the ends that together raise or lower one of the `LEADING` figures. Values between the ends may exceed
+//! the interval. Ends without a valid gear are listed ([`Fits::refused`]).
 
 use std::sync::atomic::AtomicBool;
 
@@ -34,15 +34,15 @@ use crate::balances::solve::few_figures_by;
 use crate::control::{compile, of_scene};
 use crate::{Control, Progress, StudyError};
 
-/// Depths of the disc, of the scene's own.
+/// Depths of the disc relative to the scene's.
 const DEPTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 /// Cuts of the profile, m.
 const CUTS: [f64; 2] = [5e-6, 10e-6];
-/// The law of rollers of any materials.
+/// Law for rollers of any materials.
 pub const ROLLERS: &str = "line-hertz";
-/// Laws that others take for steel rollers.
+/// Other common laws for steel rollers.
 const STEEL_ROLLERS: [&str; 3] = ["line-contact", "kunert", "lundberg"];
-/// Figures that together decide which ends of toleranced keys are tried together.
+/// Figures that select the combined ends of toleranced keys.
 static LEADING: [&FigureDef; 5] = [
     &LOST_MOTION,
     &STIFFNESS,
@@ -50,10 +50,10 @@ static LEADING: [&FigureDef; 5] = [
     &INTERNAL_FORCE,
     &CRANK_FORCE,
 ];
-/// By how much a figure may lie outside of its band and be called inside: rounding of balances.
+/// Tolerance for a figure inside its band, relative: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
-/// See the module.
+/// Figures with their bands; see the module.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bands {
     /// Names and settings of the laws compared.
@@ -63,38 +63,38 @@ pub struct Bands {
     pub declined: Option<&'static str>,
     /// The scene's law.
     pub own: String,
-    /// Figures under the scene's own law with their bands, at the few poses that laws are compared at.
+    /// Figures under the scene's law with their bands, at the few poses for the comparison of laws.
     pub figures: Vec<Figure>,
-    /// Figures with a profile cut all round; none of a gear with toleranced keys.
+    /// Figures with a uniform profile cut; empty for a gear with toleranced keys.
     pub fits: Vec<Fit>,
-    /// Results over the toleranced keys; `None`: there are none.
+    /// Results over the toleranced keys; `None` without any.
     pub tolerances: Option<Fits>,
 }
 
 /// Results over the toleranced keys of a scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Fits {
-    /// The keys, in the order of the scene.
+    /// Keys in the order of the scene.
     pub keys: Vec<Toleranced>,
-    /// Number of gears that were balanced beside the scene's own.
+    /// Number of balanced gears besides the scene's.
     pub gears: usize,
-    /// Ends at which there is no gear, each with its reason.
+    /// Ends without a valid gear, each with its reason.
     pub refused: Vec<String>,
 }
 
-/// A toleranced key.
+/// Toleranced key.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Toleranced {
-    /// The key.
+    /// Name of the key.
     pub key: String,
-    /// Half of its interval, in its unit.
+    /// Half-width of its interval, in its unit.
     pub plus_minus: f64,
-    /// Figures with it alone at its least and at its largest; empty where there is no gear.
+    /// Figures with this key alone at its least and at its largest; empty without a valid gear.
     pub ends: [Vec<Figure>; 2],
 }
 
 impl Toleranced {
-    /// Values of a figure with the key at its least and its largest.
+    /// Returns the values of a figure with the key at its least and its largest.
     #[must_use]
     pub fn values(&self, def: &FigureDef) -> Option<[f64; 2]> {
         let value = |end: &Vec<Figure>| end.iter().find(|figure| figure.is(def))?.value;
@@ -108,7 +108,7 @@ impl Toleranced {
 }
 
 impl Fits {
-    /// The key whose interval moves a figure most, if any does.
+    /// Returns the key whose interval changes a figure most, if any.
     #[must_use]
     pub fn first(&self, def: &FigureDef) -> Option<&Toleranced> {
         let size = |key: &&Toleranced| key.moves(def).abs();
@@ -117,29 +117,29 @@ impl Fits {
     }
 }
 
-/// A profile cut all round beyond the scene's.
+/// Uniform profile cut beyond the scene's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fit {
-    /// By how much, m.
+    /// Depth of the cut, m.
     pub cut_m: f64,
     /// Figures with the cut, at the same poses.
     pub figures: Vec<Figure>,
 }
 
-/// Ends of a band over the value of the figure that it belongs to.
+/// Returns the ends of a band over the value of its figure.
 fn shares(figure: &Figure, band: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let own = figure.value?;
     Some(band?.map(|end| end / own))
 }
 
 impl Bands {
-    /// The figure of that definition under the scene's own law.
+    /// Returns the figure of a definition under the scene's law.
     #[must_use]
     pub fn get(&self, def: &FigureDef) -> Option<&Figure> {
         self.figures.iter().find(|figure| figure.is(def))
     }
 
-    /// Gives a figure the bands of the definition's figure, in proportion to its value.
+    /// Sets the bands of a figure from the definition's figure, in proportion to its value.
     pub fn bound(&self, figure: &mut Figure, def: &FigureDef) {
         let Some((value, own)) = figure.value.zip(self.get(def)) else {
             return;
@@ -166,7 +166,7 @@ impl Bands {
         }
     }
 
-    /// True if the scene's own law gives figures within the bands.
+    /// True if the figures under the scene's law are within their bands.
     #[must_use]
     pub fn holds_own(&self) -> bool {
         let holds = |[low, high]: [f64; 2]| low <= 1.0 + ROUNDING && high >= 1.0 - ROUNDING;
@@ -175,7 +175,7 @@ impl Bands {
         laws.all(holds)
     }
 
-    /// Values of a figure by each cut, m.
+    /// Returns cuts, m, and the values of a figure.
     #[must_use]
     pub fn fitted(&self, def: &FigureDef) -> Vec<(f64, f64)> {
         let of = |fit: &Fit| {
@@ -186,12 +186,12 @@ impl Bands {
     }
 }
 
-/// Steel by its constants.
+/// True for the elastic constants of steel.
 fn is_steel(material: Material) -> bool {
     (1.9e11..=2.2e11).contains(&material.young) && (0.26..=0.32).contains(&material.poisson)
 }
 
-/// The laws that may be right for a scene's rollers, which it may name itself: a label, and the scene with each.
+/// Returns the laws that may apply to a scene's rollers, or those that it names: a label, and the scene with each.
 fn laws(scene: &Scene) -> Vec<(String, Scene)> {
     let with = |law: &str, change: &dyn Fn(&mut Scene)| {
         let mut scene = scene.clone();
@@ -215,7 +215,7 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
             found.push((law.to_owned(), with(law, &|_| ())));
             continue;
         }
-        // How deep a disc is behind a contact is the law's own doubt.
+        // The depth of a disc behind a contact is the law's own uncertainty.
         found.extend(DEPTHS.iter().map(|share| {
             let depth = share * parameters.disc_depth;
             let label = format!("{ROLLERS}, disc {:.1} mm deep", 1e3 * depth);
@@ -232,7 +232,7 @@ fn figures_of(scene: &Scene, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyEr
     few_figures_by(&mut statics, false, cancel)
 }
 
-/// Figures of a scene; `None` where it cannot be balanced.
+/// Returns the figures of a scene; `None` if it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, StudyError> {
     balanced(figures_of(scene, cancel))
 }
@@ -246,7 +246,8 @@ pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, Stu
     }
 }
 
-/// Why a scene asks for no band: it names no law, or its contacts were made softer or stiffer than their material and it names none.
+/// Returns the reason why a scene gets no bands: its ring is the output, it names no laws, or its contacts were made softer
+/// or stiffer without naming laws.
 #[must_use]
 pub fn declined(scene: &Scene) -> Option<&'static str> {
     match scene.contact.band_laws.as_deref() {
@@ -278,7 +279,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     of_known(statics, control)
 }
 
-/// [`of`] a gear some of whose balances a solver may know.
+/// Like [`of`], with a solver that may know some balances.
 pub(crate) fn of_known(
     mut known: Statics<'_>,
     control: &Control<'_>,
@@ -329,10 +330,10 @@ pub(crate) fn of_known(
     }))
 }
 
-/// Widens a band of every figure to hold the value of the other gear's.
+/// Extends a band of every figure to the value of the other gear.
 fn widen(own: &mut [Figure], other: &[Figure], band: fn(&mut Figure) -> &mut Option<[f64; 2]>) {
     for (figure, other) in own.iter_mut().zip(other) {
-        // A figure that is 0 has no share.
+        // A figure of 0 has no relative band.
         if let (true, Some(value)) = (figure.value.is_some_and(|own| own != 0.0), other.value) {
             let band = band(figure);
             let [low, high] = band.unwrap_or([value; 2]);
@@ -363,7 +364,7 @@ fn over_fits(
     for figure in own.iter_mut() {
         figure.by_fit = figure.value.map(|value| [value; 2]);
     }
-    // Each at its least or largest, or where it is.
+    // Each key at its least (-1), largest (1) or nominal (0) value.
     let mut at = |ends: &[f64], fits: &mut Fits| -> Result<Vec<Figure>, StudyError> {
         control.check()?;
         (control.progress)(Progress::new(0, 1, "other fits"));

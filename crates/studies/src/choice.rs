@@ -8,30 +8,30 @@ use pinwheel_scene::{Scene, did_you_mean};
 /// Reason why a name gives no engine.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChoiceError {
-    /// No engine has this name.
+    /// Unknown name.
     #[error("there is no engine `{name}`; {remedy}")]
     Unknown {
-        /// As it was asked for.
+        /// Name as typed.
         name: String,
         /// Names that could be meant.
         remedy: String,
     },
-    /// The engine exists, but this build was made without it.
+    /// Known engine that this build does not have.
     #[error(
         "engine `{name}` is missing: this build has none of its kind; {remedy}, or see `pinwheel engines`"
     )]
     NotBuilt {
-        /// As it was asked for.
+        /// Name as typed.
         name: String,
         /// Command or option that adds it.
         remedy: String,
     },
-    /// An engine that is named twice.
+    /// Engine named twice.
     #[error("--engines names {0} twice; name each engine once")]
     Twice(String),
 }
 
-/// Returns the engine with the name or short name `name`. `native` is the native engine in the formulation that the scene asks for.
+/// Returns the engine with the name or short name `name`. `native` is the native engine in the scene's formulation.
 ///
 /// # Errors
 /// An unknown name, or an engine that was not built in.
@@ -54,7 +54,7 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     })
 }
 
-/// Returns the engine `name`, or its recording of `scene` where this build lacks the engine.
+/// Returns the engine `name`, or its recording of `scene` if this build lacks the engine.
 ///
 /// # Errors
 /// Errors of [`find`], if there is no recording either.
@@ -90,11 +90,11 @@ pub fn engines(
 /// Entry of an engine of this build in a list.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Listed {
-    /// Name as users type it.
+    /// Name for users.
     pub name: String,
     /// Parts of the model that the engine shares with the native solver.
     pub track: SharedModel,
-    /// Version of the engine behind it.
+    /// Version of the engine's program.
     pub version: String,
     /// Description in one line.
     pub summary: String,

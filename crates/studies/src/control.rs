@@ -1,4 +1,4 @@
-//! Runs within a study: time limits, and the native solver where a study needs more than an engine tells.
+//! Runs within a study: time limits, and direct use of the native solver.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,25 +14,25 @@ use pinwheel_scene::{Formulation, Scene};
 
 use crate::StudyError;
 
-/// One run may take this many times what a comparison gives all runs of an engine.
+/// Time limit of one run over a comparison's limit for all runs of an engine.
 pub(crate) const WITHIN: u32 = 2;
-/// Time between two looks at the clock of the CPU, which is not free beside a fast run.
+/// Interval between two reads of the CPU clock, which cost time in a fast run.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// How long a run may take.
+/// Time limit of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TimeLimit {
-    /// Time of a whole run.
+    /// Longest time of a complete run.
     pub(crate) most: Duration,
-    /// Value of the option `--longest` for a run that takes a second, s.
+    /// Value of the option `--longest` for a run of one second, s.
     pub(crate) suggested_limit_s: f64,
-    /// True if the limit holds for engines in programs of their own too, by wall time: they have limits of their own.
+    /// True if the limit also applies, by wall time, to engines in separate programs, which have limits of their own.
     pub(crate) outside: bool,
 }
 
 impl TimeLimit {
-    /// Runs the scene of `gearbox` on an engine, but gives it up once its pace says that it will take too long: it is then
-    /// timed out, with what it would take as the reason.
+    /// Runs the scene of `gearbox` on an engine, and stops it when its pace exceeds the limit. The run is then timed out
+    /// with the expected time as the reason.
     pub(crate) fn run(
         self,
         engine: &dyn Engine,
@@ -49,9 +49,9 @@ impl TimeLimit {
             let Some([reached, _]) = at.simulated_s else {
                 return;
             };
-            // Runs in Python have a thread of their own, and say what it took.
+            // Runs in Python have their own thread, and report its time.
             let cpu = || at.cpu.unwrap_or_else(|| ThreadTime::now().as_duration());
-            // From its first sample on: packages may have to be installed before.
+            // Time counts from the first sample: installation of packages may precede it.
             let (wall, before) = begin.get_or_init(|| (Instant::now(), cpu()));
             let wall = wall.elapsed();
             let now_ns = wall.as_nanos() as u64;
@@ -59,14 +59,14 @@ impl TimeLimit {
                 return;
             }
             looked_ns.store(now_ns, Ordering::Relaxed);
-            // CPU time, where that is less: a busy machine makes no engine slower than it is.
+            // The lesser of CPU and wall time, so that a busy machine does not count.
             let took = if by_wall {
                 wall
             } else {
                 wall.min(cpu().saturating_sub(*before))
             };
             let time_s = reached - at.done as f64 * duration;
-            // Not all engines say how far they are.
+            // Not all engines report their progress.
             let pace = if time_s > 0.0 {
                 took.as_secs_f64() * duration / time_s
             } else {
@@ -79,7 +79,7 @@ impl TimeLimit {
         };
         let limited = control.limited(&stop, &progress);
         let ran = std::thread::scope(|scope| {
-            // The user's wish to stop reaches the engine wherever it waits.
+            // A stop by the user reaches the engine while it waits.
             let watch = scope.spawn(|| {
                 while !ended.load(Ordering::Relaxed) {
                     if control.is_cancelled() {
@@ -88,7 +88,7 @@ impl TimeLimit {
                     std::thread::park_timeout(Duration::from_millis(10));
                 }
             });
-            // However the engine ends, a panic included.
+            // Also after a panic of the engine.
             let _over = Over(&ended, watch.thread().clone());
             engine.run_compiled(gearbox, &limited)
         });
@@ -122,7 +122,7 @@ pub(crate) fn run(scene: &Scene, control: &Control<'_>) -> Result<NativeRun, Stu
     run_compiled(&compile(scene)?, &mut |_| control.is_cancelled())
 }
 
-/// The scene in the reduced form, by a method with its step (s) or tolerance.
+/// Returns the scene in the reduced form, with a method and its step (s) or tolerance.
 pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
     let mut scene = scene.clone();
     scene.solver.formulation = Formulation::Reduced;
@@ -131,13 +131,13 @@ pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
     scene
 }
 
-/// Runs a scene that must reach its end.
+/// Runs a scene that must finish.
 pub(crate) fn complete(scene: &Scene, control: &Control<'_>) -> Result<NativeRun, StudyError> {
     let whole = run(scene, control)?.whole();
     whole.map_err(|ending| StudyError::reference(scene, ending))
 }
 
-/// The gearbox of a scene that a study has changed, checked again.
+/// Compiles a scene changed by a study, after checks.
 pub(crate) fn compile(scene: &Scene) -> Result<Gearbox, StudyError> {
     let checked = scene.clone().check().map_err(GearboxError::from);
     checked
@@ -145,7 +145,7 @@ pub(crate) fn compile(scene: &Scene) -> Result<Gearbox, StudyError> {
         .map_err(|source| of_scene(scene, source))
 }
 
-/// Runs what is compiled; `watch` as in [`native::run`].
+/// Runs a compiled scene; `watch` as in [`native::run`].
 pub(crate) fn run_compiled(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
@@ -165,7 +165,7 @@ pub(crate) fn of_scene(scene: &Scene, source: GearboxError) -> StudyError {
     }
 }
 
-/// Lets the watch of a run go once the run is over.
+/// Ends the watch of a run on drop.
 struct Over<'a>(&'a AtomicBool, Thread);
 
 impl Drop for Over<'_> {

@@ -1,4 +1,4 @@
-//! Two designs side by side: what changed in the scene, in every figure of `design`, and over time.
+//! Comparison of two designs: changes of the scene, of every figure of `design`, and of the time series.
 //!
 //! ```text
 //!                ┌─ keys, and what follows from them ─> what changed
@@ -6,7 +6,7 @@
 //!                └─ refinement study of one engine, each ──> time series, their means and peaks with uncertainty
 //! ```
 //!
-//! A difference that is no larger than both uncertainties together is none that was shown, and is told as such.
+//! A difference within both uncertainties together is not significant, and is reported as such.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -36,61 +36,61 @@ use crate::{Control, Progress, StudyError, design, single};
 pub struct Input<'a> {
     /// Both designs.
     pub gearboxes: [&'a Gearbox; 2],
-    /// Names of the scenes where both have the same one: as they were asked for.
+    /// Names for scenes with equal names: as typed.
     pub specs: [&'a str; 2],
-    /// Who runs them.
+    /// Engine of both runs.
     pub engine: &'a dyn Engine,
-    /// How much is done for sharp statements on each.
+    /// Effort for the uncertainty of each design.
     pub efforts: [Effort; 2],
 }
 
-/// A key whose value differs.
+/// Key with differing values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KeyDiff {
     /// Full name, with its unit.
     pub key: String,
-    /// Its values; `None` where a scene has none.
+    /// Values of the key; `None` if a scene has none.
     pub values: [Option<Value>; 2],
-    /// True if both scenes leave the key to a formula: then it differs because others do.
+    /// True if both scenes leave the key to a formula, so that it differs as a consequence.
     pub follows: bool,
-    /// First stage of the model that it alone moves, if it moves one.
+    /// First stage of the model that this key alone changes, if any.
     pub stage: Option<Stage>,
 }
 
-/// Both designs and what differs.
+/// Both designs and their differences.
 #[derive(Debug, Clone, Serialize)]
 pub struct DesignDiff {
-    /// Their names, never the same.
+    /// Names of the designs, always distinct.
     #[serde(rename = "designs")]
     pub names: [String; 2],
     /// Results of `design` for each.
     #[serde(skip)]
     pub designs: [design::DesignResult; 2],
-    /// Who ran them.
+    /// Engine of both runs.
     pub engine: String,
-    /// Keys that differ, but for name, description and what is recorded.
+    /// Keys that differ, except name, description and recorded channels.
     pub changed: Vec<KeyDiff>,
-    /// Stages of the second model, judged at the states of the first; `None` for gears of other numbers of bodies.
+    /// Stages of the second model, evaluated at the states of the first; `None` for gears with other numbers of bodies.
     pub stages: Option<Located>,
-    /// Quantities that follow from the dimensions and the load, exactly.
+    /// Quantities that follow exactly from the dimensions and the load.
     pub derived: Vec<Diff>,
-    /// The figures of `design`.
+    /// Figures of `design`.
     pub figures: Vec<Diff>,
     /// Means and peaks of the time series, by window.
     #[serde(skip)]
     pub time_series: Vec<(WindowKind, Vec<Diff>)>,
-    /// The time series and their uncertainties.
+    /// Time series of both with their uncertainties.
     #[serde(skip)]
     pub comparison: Comparison,
-    /// The runs behind it.
+    /// Runs of both designs.
     #[serde(skip)]
     pub participants: Vec<Participant>,
-    /// Both in motion over the time that both run, for a page.
+    /// Both in motion over their common time, for a page.
     #[serde(skip)]
     pub motion: Vec<Motion>,
 }
 
-/// Payload of `summary.json`.
+/// Content of `summary.json`.
 #[derive(Serialize)]
 struct DiffSummary<'a> {
     identical: bool,
@@ -101,7 +101,7 @@ struct DiffSummary<'a> {
     scenes: [&'a CheckedScene; 2],
 }
 
-/// Answers all of it.
+/// Computes both designs and their differences.
 ///
 /// # Errors
 /// Cancelled; a design without a load; a scene that cannot be modelled or that the engine cannot run.
@@ -137,7 +137,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     };
     let context = shared(scenes);
     let comparison = compare(&context, &participants, &rules)?;
-    // Gears with other numbers of pins have other channels: each one's figures are of its own.
+    // Gears with other numbers of pins have other channels, so each has its own figures.
     let alone = |k: usize| {
         let rules = Rules {
             evidence: &evidence[k..=k],
@@ -171,7 +171,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     })
 }
 
-/// Names of both: of their scenes, or as they were asked for, or as first and second.
+/// Returns the names of both: of their scenes, or as typed, or first and second.
 fn names(scenes: [&CheckedScene; 2], specs: [&str; 2]) -> [String; 2] {
     let names = scenes.map(|scene| scene.name.clone());
     if names[0] != names[1] {
@@ -184,7 +184,7 @@ fn names(scenes: [&CheckedScene; 2], specs: [&str; 2]) -> [String; 2] {
     [format!("{name} (first)"), format!("{name} (second)")]
 }
 
-/// Both gearboxes on the sample times of the longer run, so that they can be drawn and compared on one axis.
+/// Returns both gearboxes with the sample times of the longer run, for drawing and comparison on one axis.
 fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
     let longer = gearboxes.map(|gearbox| gearbox.scene.solver.duration_s);
     let of = &gearboxes[usize::from(longer[1] > longer[0])].scene.solver;
@@ -204,7 +204,7 @@ fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
     Ok([a?, b?])
 }
 
-/// Facts that hold for both: a fact that differs is left out.
+/// Returns the facts common to both.
 fn shared(scenes: [&CheckedScene; 2]) -> Context {
     let [a, b] = scenes.map(|scene| context(scene));
     let same = |a: Option<f64>, b: Option<f64>| a.filter(|_| a == b);
@@ -228,7 +228,7 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
     }
 }
 
-/// Keys that differ. Names and descriptions always may, and what is recorded changes no result.
+/// Returns the keys that differ, except names, descriptions and recorded channels, which change no result.
 fn changed(
     scenes: [&CheckedScene; 2],
     course: Option<&Course<'_>>,
@@ -268,7 +268,7 @@ fn changed(
     Ok(changed.map(change).collect())
 }
 
-/// First stage of a model that a key's value alone moves.
+/// Returns the first stage of a model that a key's value alone changes.
 fn stage(
     course: &Course<'_>,
     of: &CheckedScene,
@@ -297,7 +297,7 @@ fn stage(
     between(course, &Gearbox::new(&scene).ok()?)?.first()
 }
 
-/// Definition by names, with the digits of a design's figures.
+/// Creates a definition by names, with the digits of a design's figures.
 fn def<W: Into<Cow<'static, str>>>(key: W, label: W, unit: W) -> FigureDef {
     FigureDef {
         digits: DIGITS,
@@ -305,7 +305,7 @@ fn def<W: Into<Cow<'static, str>>>(key: W, label: W, unit: W) -> FigureDef {
     }
 }
 
-/// Quantities that follow from the dimensions: exact.
+/// Returns differences of quantities that follow exactly from the dimensions.
 fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<Diff> {
     let [a, b] = [0, 1].map(|k| of[k].lines(scenes[k]));
     let exact = |line: &Line| def(line.what, line.what, line.unit).of(line.value, 0.0);
@@ -320,10 +320,10 @@ fn figures(designs: &[design::DesignResult; 2]) -> Vec<Diff> {
     both.collect()
 }
 
-/// Mean and peak of every quantity, window by window.
+/// Returns differences of mean and peak of every quantity, by window.
 fn time_series(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<Diff>)> {
     let mut windows: Vec<_> = alone[0].windows.iter().map(|w| w.kind).collect();
-    // The first window speaks for the run: of one that does not come to be steady all of it.
+    // The first window represents the run: the complete run if it does not become steady.
     windows.sort_by_key(|kind| *kind == WindowKind::Transient);
     windows
         .into_iter()
@@ -364,20 +364,20 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Diff> {
 }
 
 impl DesignDiff {
-    /// True if both scenes are the same but for their names.
+    /// True if both scenes are equal except for their names.
     #[must_use]
     pub fn identical(&self) -> bool {
         self.changed.is_empty()
     }
 
-    /// The first run that did not finish, and why.
+    /// Returns the first unfinished run with its reason.
     #[must_use]
     pub fn broken(&self) -> Option<(&str, String)> {
         let mut each = self.participants.iter();
         each.find_map(|p| Some((p.name.as_str(), p.status.reason()?)))
     }
 
-    /// Writes `summary.json` and, in `design-1` and `design-2`, what `pinwheel design` writes and `courses.csv` into the
+    /// Writes `summary.json` and, in `design-1` and `design-2`, the files of `pinwheel design` and `courses.csv` into the
     /// folder `dir`.
     ///
     /// # Errors

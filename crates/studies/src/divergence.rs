@@ -1,11 +1,10 @@
-//! How long two runs stay together that differ by one rounding.
+//! Time over which two runs that differ by one rounding stay together.
 //!
-//! The moment of inertia of the discs is moved to the next representable number. Where the
-//! difference of the pin forces then grows to a visible share, time series can no longer be compared
-//! point by point; beyond that horizon only statistics can.
+//! The moment of inertia of the discs is moved to the next representable number. When the difference of the pin forces has
+//! grown to a visible share, time series can no longer be compared point by point; beyond that horizon only statistics can.
 //!
-//! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,
-//! and then measures its own tolerance.
+//! Both runs take the same fixed steps. A step control would turn a rounding into other steps, and the result would depend
+//! on its tolerance.
 
 use pinwheel_compare::Divergence;
 use pinwheel_gearbox::{Frequencies, Gearbox};
@@ -16,14 +15,14 @@ use pinwheel_timeseries::{TimeSeries, columns};
 use crate::StudyError;
 use crate::control::{of_scene, run_compiled};
 
-/// Share of the largest force that counts as visible.
+/// Visible share of the largest force.
 const VISIBLE: f64 = 1e-3;
 
 /// Runs a scene twice, with RK4 or, under friction, with `imex2`, and steps of `step_rad` radians of its fastest oscillation
 /// on the contacts (or the scene's, if shorter);
 /// `watch` receives the simulated time and returns true to stop.
 ///
-/// A run that does not reach its end, or has no forces to speak of, is an answer with the reason.
+/// A run that does not finish, or has negligible forces, is a result with the reason.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.

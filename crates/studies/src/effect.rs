@@ -1,4 +1,4 @@
-//! Settings without effect: a result is computed again without each of them.
+//! Settings without effect, identified by computing a result again without each of them.
 
 use std::time::Duration;
 
@@ -11,11 +11,11 @@ use crate::control::{Control, Progress, TimeLimit};
 use crate::design::DesignResult;
 use crate::explained::explain;
 
-/// Longest wall time of a run that is computed again.
+/// Longest wall time of a repeated run.
 const LONGEST_RUN: Duration = Duration::from_secs(2);
-/// Longest wall time of a design that is computed again.
+/// Longest wall time of a repeated design.
 const LONGEST_DESIGN: Duration = Duration::from_secs(6);
-/// Number of first samples that are compared before the rest of a run; most settings have an effect there.
+/// Number of samples that are compared before the rest of a run; most settings affect them.
 const FIRST: f64 = 10.0;
 
 /// Settings of a command line, with the resulting scene.
@@ -23,22 +23,22 @@ const FIRST: f64 = 10.0;
 pub struct Settings<'a> {
     /// Scene file or preset.
     pub spec: &'a str,
-    /// Settings as they were typed.
+    /// Settings as typed.
     pub sets: &'a [Override],
     /// Scene with all of them, compiled.
     pub gearbox: &'a Gearbox,
 }
 
 impl Settings<'_> {
-    /// Returns the indices in `sets` of settings without which the scene is equal, or its results are `equal`. Labels are left
-    /// out, as are settings without which the scene is not valid.
+    /// Returns the indices in `sets` of settings without which the scene is equal, or its results are `equal`. Excludes
+    /// labels and settings without which the scene is invalid.
     fn without_effect(
         self,
         mut equal: impl FnMut(&Gearbox) -> Result<bool, StudyError>,
     ) -> Result<Vec<usize>, StudyError> {
         let mut idle = Vec::new();
         for (place, set) in self.sets.iter().enumerate() {
-            // Labels are for readers and have no effect on purpose.
+            // Labels have no effect on purpose.
             if ["name", "description"].contains(&set.key()) {
                 continue;
             }
@@ -53,8 +53,8 @@ impl Settings<'_> {
         Ok(idle)
     }
 
-    /// Returns the indices of settings without which `run`, of the scene on `engine`, is equal to the bit in all samples, steps
-    /// and evaluations. Long runs and runs of a user's solver are not repeated for this.
+    /// Returns the indices of settings without which `run`, of the scene on `engine`, is equal to the bit in all samples,
+    /// steps and evaluations. Long runs and runs of a user's solver are not repeated.
     ///
     /// # Errors
     /// Cancelled.
@@ -86,8 +86,8 @@ impl Settings<'_> {
         })
     }
 
-    /// Returns the indices of settings without which a run of the scene on the native `engine` is equal to the bit; none where the
-    /// run takes more than two seconds.
+    /// Returns the indices of settings without which a run of the scene on the native `engine` is equal to the bit; empty
+    /// if the run takes more than two seconds.
     ///
     /// # Errors
     /// Cancelled.
@@ -126,8 +126,8 @@ impl Settings<'_> {
         Ok(idle)
     }
 
-    /// Returns the indices of settings without which the design `found` is equal to the bit, and its other results are `equal`; none
-    /// where `found` took more than some seconds.
+    /// Returns the indices of settings without which the design `found` is equal to the bit, and its other results are
+    /// `equal`; empty if `found` took more than some seconds.
     ///
     /// # Errors
     /// Cancelled.
@@ -144,7 +144,7 @@ impl Settings<'_> {
         self.without_effect(|without| match found.repeated(without, control) {
             Ok(Some(other)) => Ok(equal(&other)),
             Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
-            // Without this setting there is no design, or another one.
+            // No design, or another one, without this setting.
             _ => Ok(false),
         })
     }

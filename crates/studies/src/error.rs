@@ -6,19 +6,19 @@ use pinwheel_scene::Scene;
 use crate::choice::ChoiceError;
 use crate::output::OutputError;
 
-/// Reason why a study gave no result.
+/// Reason for a study without result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The observer asked to stop.
+    /// Stop by the observer.
     #[error("stopped")]
     Cancelled,
     /// Input that cannot be used, with the remedy.
     #[error("{0}")]
     Input(String),
-    /// An engine that cannot be chosen.
+    /// Engine that cannot be chosen.
     #[error(transparent)]
     Choice(#[from] ChoiceError),
-    /// A run that a study cannot go on without did not finish.
+    /// Unfinished run that the study needs.
     #[error("{engine} {ending}")]
     Ended {
         /// Name of the engine.
@@ -26,22 +26,22 @@ pub enum StudyError {
         /// Ending of the run.
         ending: Ending,
     },
-    /// A run without which there would be no result.
+    /// Failed run that the study needs.
     #[error("{0}; nothing was written")]
     Broken(String),
-    /// The run that checks another could not be made.
+    /// Failure of a run that checks another.
     #[error("the run cannot be repeated at twice its step: {0}")]
     Unrepeated(Box<StudyError>),
-    /// Time series that do not go together.
+    /// Incompatible time series.
     #[error("the time series cannot be compared: {0}")]
     Compare(#[from] pinwheel_compare::CompareError),
-    /// A file of the results that cannot be written.
+    /// File of the results that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A scene that cannot be loaded.
+    /// Scene that cannot be loaded.
     #[error(transparent)]
     Load(#[from] pinwheel_scene::SceneError),
-    /// A scene that cannot be modelled.
+    /// Scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {
         /// Name of the scene.
@@ -49,7 +49,7 @@ pub enum StudyError {
         /// Fault of the model.
         source: pinwheel_gearbox::GearboxError,
     },
-    /// The reference run failed.
+    /// Failed reference run.
     #[error("{scene}: the reference run {reason}; use a scene that can be resolved")]
     Reference {
         /// Name of the scene.

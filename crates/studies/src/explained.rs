@@ -7,9 +7,9 @@ use serde::Serialize;
 /// Explanation of a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Explanation<'a> {
-    /// The scene.
+    /// Explained scene.
     pub scene: &'a Scene,
-    /// Parts that are modelled and those that are left out.
+    /// Modelled and omitted parts.
     #[serde(flatten)]
     pub model: Model,
     /// Quantities that follow from the dimensions.

@@ -1,4 +1,4 @@
-//! States of a scene under a hand: sliders of its keys, and what a quick run and balances give for them.
+//! Interactive states of a scene: sliders of its keys, and results of a quick run and balances.
 //!
 //! `pinwheel explore` serves the page: the page sends the values of a state, and [`motion`] and [`figures`] compute it.
 
@@ -23,15 +23,15 @@ use crate::sampling::hypercube;
 use crate::sweep::tolerance::clopper_pearson;
 use crate::{Control, StudyError, band, design};
 
-/// A key that a slider moves.
+/// Key with a slider.
 struct Slider {
     key: &'static str,
     label: &'static str,
-    /// Unit of the slider, and the number of this unit in one unit of the key.
+    /// Unit of the slider, and its number in one unit of the key.
     unit: (&'static str, f64),
     /// Ends as shares of the scene's value.
     shares: [f64; 2],
-    /// Ends in the slider's unit, where the scene's value is 0.
+    /// Ends in the slider's unit, for a scene's value of 0.
     ends: [f64; 2],
 }
 
@@ -70,37 +70,37 @@ sliders! {
 }
 const FACE_WIDTH: &str = "gear.face_width_m";
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
-/// Key of the eccentric bearing's stiffness. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
+/// Stiffness of the eccentric bearing. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
-/// Table of that bearing, and its keys that a stated stiffness takes the place of.
+/// Table of that bearing, and its keys that a stated stiffness replaces.
 const BEARING: &str = "bearings.eccentric";
 const ROLLERS: [&str; 2] = [
     "bearings.eccentric.rollers",
     "bearings.eccentric.roller_length_m",
 ];
 const EXPONENT: &str = "bearings.eccentric.exponent";
-/// The stiffness of a bearing that has none.
+/// Text for the stiffness of a rigid bearing.
 pub const RIGID: &str = "rigid";
-/// Ends of its slider, N/m.
+/// Ends of the stiffness slider, N/m.
 const STIFFNESSES: [f64; 2] = [1e7, 1e10];
-/// The key that is chosen, not moved.
+/// Key with a choice instead of a slider.
 const LAW: &str = "contact.law";
-/// Error of the forces that a method is planned for, and how many of its steps one is. Measured on five gears, with and without play:
-/// forces are off by up to 4e-4 of the largest, the driver's torque by 4e-3 on bearings and 4e-4 without.
+/// Target error of the forces for the planned method, and factor on its step. Measured on five gears, with and without
+/// play: forces are off by up to 4e-4 of the largest, the driver's torque by 4e-3 on bearings and 4e-4 without.
 const SEEN: f64 = 0.1;
 const STRIDE: f64 = 2.0;
-/// Samples of a state's turn.
+/// Number of samples of a state.
 const SAMPLES: f64 = 120.0;
-/// Override that starts in the load's balance: the explorer shows a state without its start-up.
+/// Override that starts in static balance, so that a state has no start-up.
 const START: &str = "drive.start=equilibrium";
 
-/// Values of a state: keys with what a slider gives them, as `--set` takes it.
+/// Values of a state: keys with the sliders' values, in the form of `--set`.
 pub type Values = [(String, String)];
 
-/// The scene of a state.
+/// Returns the scene of a state.
 ///
 /// # Errors
-/// The reason why there is none, with the keys.
+/// The reason for an invalid scene, with the keys.
 pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, String> {
     let mut all = sets.to_vec();
     for (key, value) in values {
@@ -202,11 +202,11 @@ fn in_words(key: &str, what: &str, remedy: &str) -> String {
     words.join(" ")
 }
 
-/// Returns name and scene file of a state, for the working folder: the user's own with the keys of `sets` and those that were moved
-/// changed, or one that has a preset (or a file of JSON) as its base. Read again it gives the scene that is shown.
+/// Returns name and scene file of a state, for the working folder. It is the user's file with the keys of `sets` and the
+/// moved ones changed, or one with a preset (or a file of JSON) as its base. Reading it gives the displayed scene.
 ///
 /// # Errors
-/// The state gives no scene, or no such file does.
+/// A state without a valid scene or file.
 pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, String), String> {
     let shown = scene(spec, sets, values)?;
     let (mut moved, mut removed) = (sets.to_vec(), Vec::new());
@@ -231,7 +231,7 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
     }
     let on_base = format!("base = {}\n", json!(spec));
     let texts = match preset(spec) {
-        // A key of a base can be changed and not taken away.
+        // A key of a base can be changed but not removed.
         Some(text) => [on_base, text.to_owned()],
         None => [
             std::fs::read_to_string(spec).map_err(|error| format!("{spec}: {error}"))?,
@@ -259,25 +259,26 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
     ))
 }
 
-/// Duration of a state, s: a turn of the input of the scene as it is, the same for both.
+/// Returns the duration of a state, s: an input turn of the unchanged scene, equal for both states.
 #[must_use]
 pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
 }
 
-/// The gear of a state, as it is looked at.
+/// Returns the gear of a state for display.
 ///
 /// # Errors
-/// The reason why there is none, with the keys.
+/// The reason for an invalid scene, with the keys.
 pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox, String> {
     quick(&scene(spec, sets, values)?)
 }
 
-/// The gear of a scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
-/// Its method is one whose errors a chart hides, and takes long steps: from the loaded balance on little swings.
+/// Returns the gear of a scene for quick runs. The depth of its discs is stated, because otherwise every evaluation
+/// computes the wall. Errors of its method are invisible in a chart; steps are long, because a start in balance excites
+/// little vibration.
 ///
 /// # Errors
-/// The reason why there is none, with the keys.
+/// The reason for an invalid scene, with the keys.
 pub fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
     let mut stated = Scene::clone(scene);
     scales::state_depth(&mut stated);
@@ -290,7 +291,7 @@ pub fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
     Gearbox::new(&stated).map_err(|error| error.to_string())
 }
 
-/// Motion of a state from a run; `None` if the run diverges at once.
+/// Computes the motion of a state by a run; `None` if the run diverges at once.
 ///
 /// # Errors
 /// `cancel` was set.
@@ -306,7 +307,7 @@ pub fn motion(
 /// Figures of a state's balances. With `laws` they have their bands, and there are limits, which take longer.
 ///
 /// # Errors
-/// The gear carries nothing or cannot be balanced; `cancel` was set.
+/// A gear without load or balance; `cancel` was set.
 pub fn figures(
     gearbox: &Gearbox,
     laws: bool,
@@ -361,7 +362,7 @@ pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<[f64; 3]>
     Ok(Some([kept as f64 / GEARS as f64, low, high]))
 }
 
-/// The scene that a state begins with: settled under its load, if its load is constant.
+/// Returns the overrides of a state: a start in balance, if its load is constant.
 #[must_use]
 pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
     let mut settled = sets.to_vec();
@@ -373,7 +374,7 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
     settled
 }
 
-/// Sliders of a scene, as the page's script reads them.
+/// Returns the sliders of a scene for the page's script.
 #[must_use]
 pub fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();

@@ -1,15 +1,15 @@
-//! The discrete Fourier transform of real samples.
+//! Discrete Fourier transform of real samples.
 
 use realfft::RealFftPlanner;
 
-/// `|X_k|` of bin 0 to N/2.
+/// Returns `|X_k|` of bins 0 to N/2.
 pub(crate) fn moduli(mut samples: Vec<f64>) -> Vec<f64> {
     if samples.is_empty() {
         return samples;
     }
     let plan = RealFftPlanner::<f64>::new().plan_fft_forward(samples.len());
     let mut bins = plan.make_output_vec();
-    // It fails only for buffers of other lengths than its own.
+    // Fails only for buffers of wrong length.
     if plan.process(&mut samples, &mut bins).is_err() {
         return Vec::new();
     }

@@ -1,4 +1,4 @@
-//! Verdicts as a JUnit file, by which CI systems show them one by one.
+//! Verdicts as a JUnit file for CI systems.
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,15 +11,15 @@ use crate::baseline::{self, CaseCheck, Check};
 use crate::file;
 use crate::output::OutputError;
 
-/// How a case ended.
+/// Result of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
-    /// It holds.
+    /// Criterion met.
     Passed,
-    /// It does not.
+    /// Criterion violated.
     Failed,
-    /// It was not judged.
+    /// Not judged.
     Skipped,
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn passed(holds: bool) -> State {
     if holds { State::Passed } else { State::Failed }
 }
 
-/// A case; `why` it did not pass.
+/// Creates a case; `why`: reason unless it passed.
 pub(crate) fn case(name: impl Into<String>, state: State, why: &str) -> TestCase {
     let mut status = match state {
         State::Passed => TestCaseStatus::success(),
@@ -38,7 +38,7 @@ pub(crate) fn case(name: impl Into<String>, state: State, why: &str) -> TestCase
     TestCase::new(name.into(), status)
 }
 
-/// Cases that belong together.
+/// Creates a suite of related cases.
 pub(crate) fn suite(name: &str, cases: impl IntoIterator<Item = TestCase>) -> TestSuite {
     let mut suite = TestSuite::new(name);
     for mut case in cases {
@@ -48,16 +48,16 @@ pub(crate) fn suite(name: &str, cases: impl IntoIterator<Item = TestCase>) -> Te
     suite
 }
 
-/// Returns true for a JUnit file that [`write`] wrote.
+/// True for a JUnit file written by [`write`].
 fn is_ours(content: &[u8]) -> bool {
     let head = String::from_utf8_lossy(&content[..content.len().min(200)]);
     head.contains("<testsuites name=\"pinwheel ")
 }
 
-/// Checks that [`write()`] may write a file, before anything long is run.
+/// Checks that [`write()`] may write a file, before any long run.
 ///
 /// # Errors
-/// It cannot be written, or is not an earlier JUnit file of ours.
+/// A file that cannot be written, or is no earlier JUnit file of this program.
 pub fn check(path: &Path) -> Result<(), OutputError> {
     file::check(path, &is_ours)
 }
@@ -65,7 +65,7 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
 /// Writes suites as one JUnit file.
 ///
 /// # Errors
-/// As of [`check`].
+/// Errors of [`check`].
 pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), OutputError> {
     let mut report = Report::new(name);
     report.add_test_suites(suites);
@@ -75,8 +75,8 @@ pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), Outp
     file::replace(path, text.as_bytes(), &is_ours)
 }
 
-/// Findings as a suite, then every engine's run as a case, and every pair's statements. A finding of which nothing was shown is
-/// a failure.
+/// Returns the findings as a suite, then every engine's run as a case, and every pair's statements. A finding without
+/// evidence is a failure.
 #[must_use]
 pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let scene = &comparison.context.scene;
@@ -108,7 +108,7 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     [findings, runs].into_iter().chain(pairs).collect()
 }
 
-/// State of a verdict, and its word with what it rests on. What asks for something is a failure.
+/// Returns state and text of a verdict. Verdicts that need action are failures.
 fn ended(found: &Assessment) -> (State, String) {
     let word = found.verdict.word();
     let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |v| format!("{v:.2e}"));
@@ -126,7 +126,7 @@ fn ended(found: &Assessment) -> (State, String) {
     }
 }
 
-/// Every scene and solver of a baseline.
+/// Returns every scene and solver of a baseline as cases.
 #[must_use]
 pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
     let holds = |verdict| !matches!(verdict, baseline::Verdict::Worse | baseline::Verdict::New);
@@ -148,7 +148,7 @@ pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
     suite(&format!("baseline {name}"), answers.chain(cases))
 }
 
-/// Every error and count of a case that rose beyond its limit.
+/// Returns every error and count of a case that increased beyond its limit.
 fn worse(case: &CaseCheck) -> String {
     let is_worse = |verdict| verdict == baseline::Verdict::Worse;
     let errors = case.quantities.iter().filter(|it| is_worse(it.verdict));

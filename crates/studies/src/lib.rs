@@ -1,4 +1,4 @@
-//! Studies: each takes data, gives data, and prints nothing.
+//! Studies: each takes data, returns data, and prints nothing.
 //!
 //! ```text
 //!  scene, engines, files ──> run(input, control) ──> Outcome ──> write(folder)   CSV, JSON
@@ -6,12 +6,12 @@
 //!                       progress, Ctrl-C, threads
 //! ```
 //!
-//! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a
-//! scene with lists and ranges of its keys, [`paper::run`] computes the paper's figures again, [`baseline::check`]
-//! says what a change of the solver moved, [`bench::run`] what accuracy costs. A [`Control`] stops them and sees their
-//! progress; `write` of an outcome keeps it as files in a [`folder`], with a [`Provenance`].
+//! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a scene
+//! with lists and ranges of its keys, [`paper::run`] recomputes the paper's figures, [`baseline::check`] reports changes of
+//! the solver's results, [`bench::run`] the cost of accuracy. A [`Control`] stops them and receives their progress; `write`
+//! of a result stores it as files in a [`folder`], with a [`Provenance`].
 //!
-//! One run, and whether its step resolves the scene:
+//! Example: one run, and the check that its step resolves the scene:
 //!
 //! ```
 //! use pinwheel_gearbox::Gearbox;
@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A sweep as data; [`sweep::execute`] runs it on all cores and keeps every run that is done:
+//! Example: a sweep, which [`sweep::execute`] runs on all cores with storage of every finished run:
 //!
 //! ```
 //! use pinwheel_studies::sweep::{Plan, Sweep};
@@ -36,9 +36,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`stability::Atlas`] holds which formulation and integrator survives which hard scene; it is made on several threads and
-//! goes on where it was stopped. [`divergence::horizon`] gives how long two runs that differ by a rounding stay together,
-//! [`resolution::check`] whether a run's step resolves its scene. All results serialise.
+//! [`stability::Atlas`] shows stable formulations and integrators for every hard scene; it runs on several threads and
+//! continues after a stop. [`divergence::horizon`] computes the time over which two runs that differ by a rounding stay
+//! together, [`resolution::check`] checks that a run's step resolves its scene. All results serialise.
 
 mod balances;
 pub mod band;
@@ -78,7 +78,7 @@ pub use control::{Control, Progress};
 pub use error::StudyError;
 pub use provenance::Provenance;
 
-/// Private items that the tests of this crate reach; no part of the interface.
+/// Private items for the tests of this crate.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::balances::poses::{MOST, MOST_OF_ALL, Poses};

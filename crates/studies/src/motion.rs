@@ -1,4 +1,4 @@
-//! The gearbox in motion, as pages draw it: the native solver's own time series, pair by pair.
+//! Motion of the gearbox for drawings on pages: time series of the native solver by pairs.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,33 +8,33 @@ use pinwheel_gearbox::{Gearbox, GearboxError, auto, resolve};
 use pinwheel_scene::{CheckedScene, Formulation, Scene, speed_profile};
 use pinwheel_timeseries::{TimeSeries, columns};
 
-/// Limit of the cost of a picture where the scene's own method fails, evaluations: a few seconds.
+/// Largest number of evaluations for a picture after the scene's method fails: a few seconds.
 const BUDGET: u64 = 3_000_000;
-/// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
+/// Largest size of one gearbox's samples as 16-bit numbers, before packing, bytes.
 pub const BYTES: usize = 360_000;
-/// Samples in the time a disc takes from pin to pin: forces must not lose their shape.
+/// Samples per passage of a disc from pin to pin, which resolve the forces.
 const PER_SLEEVE: f64 = 24.0;
-/// Radians of a minute of arc.
+/// Radians in a minute of arc.
 const ARCMIN: f64 = PI / (180.0 * 60.0);
 
-/// Motion of one gearbox over a stretch of time.
+/// Motion of one gearbox over an interval of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
-    /// Name of the gearbox and of what computed the motion.
+    /// Name of the gearbox and of the method.
     pub title: String,
-    /// Its scene.
+    /// Scene of the gearbox.
     pub scene: CheckedScene,
     /// Samples with all of [`channels`], evenly spaced.
     pub time_series: TimeSeries,
-    /// Begin and end of the stretch, s.
+    /// Begin and end of the interval, s.
     pub span_s: (f64, f64),
-    /// Time at which the picture begins, s.
+    /// Time at which the animation begins, s.
     pub begin_s: f64,
 }
 
 impl Motion {
-    /// Computes a gearbox's motion over as long as a page holds. It begins at its second half, where the start-up transient has
-    /// died down. `None` where there is nothing to show, as when the run diverges at once.
+    /// Computes a gearbox's motion over the longest time for a page. The animation begins at its second half, after the
+    /// start-up transient. `None` without a motion, for example if the run diverges at once.
     ///
     /// # Errors
     /// Cancelled.
@@ -49,8 +49,8 @@ impl Motion {
         }))
     }
 
-    /// Computes a gearbox's motion from `from_s` to `to_s`, recorded anew every `step` seconds with the channels that a picture
-    /// needs. Pictures beside each other share both.
+    /// Computes a gearbox's motion from `from_s` to `to_s`, recorded again every `step` seconds with the channels for a
+    /// picture. Adjacent pictures share both.
     ///
     /// # Errors
     /// Cancelled.
@@ -63,7 +63,7 @@ impl Motion {
     ) -> Result<Option<Self>, Cancelled> {
         let recording = gearbox.with_solver(|solver| {
             solver.formulation = Formulation::Reduced;
-            // No denser than the scene's own samples on short runs, which would only be straight lines.
+            // Samples no denser than the scene's on short runs, which would give only straight lines.
             solver.sample_s = step.min(to_s);
             solver.duration_s = to_s;
         });
@@ -80,14 +80,14 @@ impl Motion {
         };
         let mut title = title.to_owned();
         if !run.ending.is_finished() {
-            // Forces that run away are no picture of the gear where another method gets through.
+            // Diverging forces do not show the gear if another method finishes.
             match resolve::run_resolved(&gearbox, auto::TARGET, BUDGET, watch) {
                 Ok((other, _)) if other.ending.is_finished() => {
                     title.push_str(", by a method that gets through");
                     run = other;
                 }
                 Err(NativeError::Stopped) => return Err(Cancelled),
-                // What there is until then is worth seeing.
+                // The motion until the divergence is shown.
                 _ => title.push_str(", until it diverges"),
             }
         }
@@ -100,7 +100,7 @@ impl Motion {
         }))
     }
 
-    /// Computes the motions of two scenes over the same time; those that have nothing to show are left out.
+    /// Computes the motions of two scenes over the same time, except those without a motion.
     ///
     /// # Errors
     /// Cancelled.
@@ -120,25 +120,25 @@ impl Motion {
     }
 }
 
-/// Returns the distance of the samples of a scene's motion, and the time that a page shows, s.
+/// Returns the sampling interval of a scene's motion, and the time shown on a page, s.
 #[must_use]
 pub fn sampled(scene: &Scene) -> (f64, f64) {
     let turn = TAU / speed_profile::fastest_rad_s(&scene.drive).abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
-    // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
+    // Vibration of the discs on their contacts, about 1 kHz, must be resolved too.
     let step = (sleeve / PER_SLEEVE).min(2e-4);
     let samples = BYTES / (2 * channels(scene).len());
     let longest = step * samples.saturating_sub(1) as f64;
     (step, scene.solver.duration_s.min(longest))
 }
 
-/// True if discs move against their eccentrics.
+/// True if discs move relative to their eccentrics.
 #[must_use]
 pub fn floats(scene: &Scene) -> bool {
     scene.bearings.eccentric.is_some()
 }
 
-/// Channels that a motion needs beside those that every run records (`output.channels` of the scene).
+/// Returns the additional channels for a motion (`output.channels` of the scene).
 fn needed(scene: &Scene) -> Vec<String> {
     let mut needed = vec![
         "transmission_error_arcmin",

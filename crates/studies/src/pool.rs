@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Returns the results of `work(state, k)` for k = 0 .. `count` on `threads` threads, this one included, each with a `state` of
-/// its own; or the first error.
+/// Returns the results of `work(state, k)` for k = 0 .. `count` on `threads` threads including this one, each with its own
+/// `state`; or the first error.
 ///
 /// Pieces begin in order. After an error no new piece begins, and running pieces finish.
 pub fn map<S, T: Send, E: Send>(

@@ -9,13 +9,13 @@ use crate::output::{OutputError, write_json};
 /// Processor, cores, operating system, and how the program was built.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Machine {
-    /// Model name, or the architecture where the system does not tell.
+    /// Model name, or the architecture if the system does not report it.
     pub processor: String,
-    /// Cores this program may use.
+    /// Number of available cores.
     pub cores: usize,
     /// Operating system.
     pub operating_system: String,
-    /// `optimised` or `debug`: times of the latter mean nothing.
+    /// Build type `optimised` or `debug`; times of the latter are meaningless.
     pub build: &'static str,
 }
 
@@ -24,16 +24,16 @@ pub struct Machine {
 pub struct Provenance {
     /// Version of Pinwheel.
     pub version: &'static str,
-    /// The command that repeats it, or a word on the program that called.
+    /// Command that repeats the result, or the calling program.
     pub command: String,
-    /// Where it was computed.
+    /// Machine of the computation.
     pub machine: Machine,
     /// Day in UTC, `2026-01-31`.
     pub date: String,
 }
 
 impl Provenance {
-    /// This program on this machine, today.
+    /// Describes this program on this machine, today.
     #[must_use]
     pub fn here(command: impl Into<String>) -> Self {
         Self {
@@ -44,28 +44,28 @@ impl Provenance {
         }
     }
 
-    /// The entry of a page's list of versions, with those of the engines after it.
+    /// Returns the versions for a page, with those of the engines after Pinwheel's.
     #[must_use]
     pub fn versions(&self) -> Vec<(String, String)> {
         vec![("pinwheel".to_owned(), self.version.to_owned())]
     }
 }
 
-/// The day in UTC, `2026-01-31`.
+/// Returns the day in UTC, `2026-01-31`.
 #[expect(clippy::disallowed_methods, reason = "a day, no duration")]
 fn today() -> String {
     let now = humantime::format_rfc3339_seconds(std::time::SystemTime::now());
     now.to_string().chars().take(10).collect()
 }
 
-/// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same
+/// Hash of the sources that determine figures (see `build.rs`): a changed solver gives other numbers under the same
 /// version.
 pub(crate) const SOURCES: &str = env!("PINWHEEL_SOURCES");
 
 /// Version of Pinwheel.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// `summary.json` of every command: what made it, around what was found.
+/// Content of every `summary.json`: the origin and the results.
 #[derive(Debug, Serialize)]
 pub struct Summary<'a, T: Serialize> {
     pinwheel_version: &'static str,
@@ -76,7 +76,7 @@ pub struct Summary<'a, T: Serialize> {
 }
 
 impl<'a, T: Serialize> Summary<'a, T> {
-    /// The envelope around `found`, whose keys stand beside the envelope's.
+    /// Adds the origin to the results `found`, with keys on the same level.
     pub fn new(made: &'a Provenance, found: T) -> Self {
         Self {
             pinwheel_version: made.version,
@@ -86,7 +86,7 @@ impl<'a, T: Serialize> Summary<'a, T> {
         }
     }
 
-    /// Writes it as `summary.json` into the folder `dir`.
+    /// Writes `summary.json` into the folder `dir`.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -96,7 +96,7 @@ impl<'a, T: Serialize> Summary<'a, T> {
 }
 
 impl Machine {
-    /// This machine.
+    /// Describes this machine.
     pub fn here() -> Self {
         Self {
             processor: processor().unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
@@ -110,13 +110,13 @@ impl Machine {
         }
     }
 
-    /// Processor and operating system.
+    /// Returns processor and operating system.
     #[must_use]
     pub fn named(&self) -> String {
         format!("{}, {}", self.processor, self.operating_system)
     }
 
-    /// As pairs of label and value.
+    /// Returns pairs of label and value.
     pub fn rows(&self) -> Vec<(String, String)> {
         [
             ("processor", self.processor.clone()),
@@ -129,7 +129,7 @@ impl Machine {
     }
 }
 
-/// The value of the first line `key<separator>value` in a small system file.
+/// Returns the value of the first line `key<separator>value` in a small system file.
 fn line_value(path: &str, key: &str, separator: char) -> Option<String> {
     let text = std::fs::read_to_string(path).ok()?;
     text.lines().find_map(|line| {

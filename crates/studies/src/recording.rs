@@ -1,4 +1,4 @@
-//! Time series of engines that need Python or a compiler, kept for builds and machines without them.
+//! Recordings: stored time series of engines that need Python or a compiler, for builds and machines without them.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::file;
 use crate::output::{OutputError, file_name};
 use crate::provenance::Provenance;
 
-/// The scenes named (presets or files), or those that recordings are kept of.
+/// Returns the named scenes (presets or files), or all recorded ones.
 ///
 /// # Errors
 /// A scene that cannot be read.
@@ -33,7 +33,7 @@ pub fn scenes(names: &[String]) -> Result<Vec<CheckedScene>, StudyError> {
     names.iter().map(|name| load(name)).collect()
 }
 
-/// The engines named, or all that may be missing elsewhere.
+/// Returns the named engines, or all that may be missing elsewhere.
 ///
 /// # Errors
 /// An engine that this build does not have.
@@ -47,23 +47,23 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
     Ok(engines)
 }
 
-/// Outcome of one recording.
+/// Result of one recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Recorded {
-    /// Kept, with this many samples in so many bytes.
+    /// Stored recording.
     Kept {
-        /// Samples.
+        /// Number of samples.
         samples: usize,
-        /// Bytes of description and time series.
+        /// Size of description and time series, bytes.
         bytes: usize,
     },
-    /// Not worth keeping, or the engine cannot run the scene; why.
+    /// Omitted recording with its reason, for example an unsupported scene.
     Left(String),
-    /// The engine broke; how.
+    /// Failed recording with its reason.
     Broken(String),
 }
 
-/// Runs `engine` on `scene` and keeps the time series, thinned and rounded, in `out/SCENE/ENGINE.toml` and `.csv`.
+/// Runs `engine` on `scene` and stores the time series, thinned and rounded, in `out/SCENE/ENGINE.toml` and `.csv`.
 ///
 /// # Errors
 /// Cancelled, or a file that cannot be written.
@@ -101,7 +101,7 @@ pub fn record(
     let written = recording.write();
     let (text, rows) = written.map_err(|error| OutputError::new(&path, &error))?;
     let bytes = text.len() + rows.len();
-    // The time series first: without a description they are not a recording.
+    // The time series first: without a description it is no recording.
     file::replace_all(&[(csv, rows), (description, text)], &is_ours)?;
     Ok(Recorded::Kept {
         samples: recording.time_series.len(),
@@ -109,12 +109,12 @@ pub fn record(
     })
 }
 
-/// Returns true for a description or time series that [`record`] wrote.
+/// True for a description or time series written by [`record`].
 fn is_ours(content: &[u8]) -> bool {
     content.starts_with(b"engine = ") || content.starts_with(b"time_s,")
 }
 
-/// A run with the samples that are kept, and what coarser runs say of them.
+/// Runs an engine with refinement; returns the thinned run with its uncertainties.
 fn refined(
     engine: &dyn Engine,
     scene: &Scene,
@@ -138,7 +138,7 @@ fn refined(
             *run = thinned(run, scene);
         }
     }
-    // Half of the last digit that is kept.
+    // Half of the last stored digit.
     let rounding = 0.5 * 10_f64.powi(1 - i32::try_from(engine.info().digits).unwrap_or(i32::MAX));
     let evidence = evidence.with_floor(rounding);
     let known = uncertainties(&context, &participant, &evidence).into_iter();

@@ -1,16 +1,16 @@
-//! The converged run of a scene, and proof that it is: a second run that has as little in common with it as may be.
+//! Converged run of a scene, with a second, maximally independent run as evidence.
 //!
 //! | scene | reference | second run |
 //! |---|---|---|
 //! | exact contact, no friction | dopri5, tolerance 1e-12 | dop853, tolerance 1e-11 |
 //! | regularised friction | dopri5, tolerance 1e-11 | imex2-adaptive, tolerance 1e-5 |
-//! | the same, where it is stiff | imex2-adaptive, tolerance 2e-6 | imex2, steps of 0.001 rad |
+//! | regularised friction, stiff | imex2-adaptive, tolerance 2e-6 | imex2, steps of 0.001 rad |
 //! | other friction | dopri5, tolerance 1e-11 | dop853, tolerance 1e-9 |
-//! | discrete points | rk4 or, with regularised friction, imex2, steps of 0.0015 rad | the same, 0.004 rad |
+//! | discrete points | rk4 or, with regularised friction, imex2, steps of 0.0015 rad | equal method, 0.004 rad |
 //!
-//! Radians are those of the contacts' oscillation. The distance between the two is the error of the worse of them, and thus an
-//! upper estimate for the reference. Where what is judged ran by another method than dopri5, the second run with regularised
-//! friction is one of dopri5 too (1e-10 and 1e-8): sharper, and still no run of its own.
+//! Radians refer to the contacts' oscillation. The distance of the two runs is the error of the worse of them, an upper
+//! estimate for the reference. For judged runs by another method than dopri5, the second run with regularised friction also
+//! uses dopri5 (1e-10 and 1e-8): sharper, and still independent of the judged run.
 
 use pinwheel_engines::AccuracySetting;
 use pinwheel_gearbox::Frequencies;
@@ -22,32 +22,32 @@ use serde::{Deserialize, Serialize};
 use crate::StudyError;
 use crate::control::{Control, complete, reduced_by};
 
-/// Method and setting: a tolerance, or radians of the contacts' oscillation a step.
+/// Method and setting: a tolerance, or a step in radians of the contacts' oscillation.
 pub type Setting = (&'static str, f64);
 
-/// One converged solution.
+/// Converged solution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solution {
     /// Integrator.
     pub method: String,
     /// Step (s) or tolerance.
     pub setting: f64,
-    /// Right-hand-side calls.
+    /// Number of right-hand-side calls.
     pub rhs_calls: u64,
 }
 
-/// Reference from which errors of runs are measured.
+/// Reference for the errors of runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// The solution taken.
+    /// Solution used as reference.
     pub solution: Solution,
-    /// The other one.
+    /// Second solution.
     pub second: Solution,
-    /// Distance of the second from the first: an upper estimate of the error of the first.
+    /// Distance of both: an upper estimate of the reference's error.
     pub apart: Distance,
 }
 
-/// The second run and the reference of a scene, for a run by the method `by`.
+/// Returns the settings of the second run and the reference of a scene, for a run by the method `by`.
 #[must_use]
 pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     let contact = &scene.contact;
@@ -66,7 +66,7 @@ pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     }
 }
 
-/// The scene in the reduced form with such a setting.
+/// Returns the scene in the reduced form with a setting.
 pub(crate) fn scene(scene: &Scene, (integrator, setting): Setting) -> Scene {
     let setting = match AccuracySetting::of(integrator) {
         AccuracySetting::Step => setting / Frequencies::of(scene).contact_rad_s,
@@ -75,10 +75,10 @@ pub(crate) fn scene(scene: &Scene, (integrator, setting): Setting) -> Scene {
     reduced_by(scene, integrator, setting)
 }
 
-/// The scene's time series by such a setting.
+/// Returns the scene's time series with a setting.
 ///
 /// # Errors
-/// Cancelled, a scene that cannot be modelled, or a run that does not get through.
+/// Cancelled, a scene that cannot be modelled, or an unfinished run.
 pub fn solve(
     scene: &Scene,
     setting: Setting,
@@ -95,10 +95,10 @@ pub fn solve(
     Ok((solution, run.time_series))
 }
 
-/// Both runs of a scene, the reference's time series first; `announce` hears of each before it begins.
+/// Makes both runs of a scene and returns them, the reference first; calls `announce` before each.
 ///
 /// # Errors
-/// As [`solve`].
+/// Errors of [`solve`].
 pub(crate) fn run(
     scene: &Scene,
     control: &Control<'_>,

@@ -1,9 +1,10 @@
-//! Check of a scene's step by a second run at twice the step (or ten times the tolerance) and the change of the forces.
+//! Check of a scene's step by a second run at twice the step (or ten times the tolerance).
 //!
-//! [`ladder::error`] gives the run's own error from that change. An error that is equal at both steps stays hidden. Where the
-//! coarser run fails, the run is repeated at half its step (a tenth of its tolerance) instead; that distance is the error itself.
+//! [`ladder::error`] gives the run's error from the change of the forces. It does not show an error that is equal at both
+//! steps. If the coarser run fails, the run is repeated at half its step (a tenth of its tolerance) instead; that distance
+//! is the error itself.
 //!
-//! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
+//! For named methods; `auto` and `native-resolved` include a verification ([`pinwheel_gearbox::resolve`]).
 
 use pinwheel_gearbox::resolve::convergence_of;
 use pinwheel_gearbox::{Distance, Gearbox, unfollowed};
@@ -17,11 +18,11 @@ use crate::control::{of_scene, run_compiled};
 
 /// Largest relative L2 distance to the coarser run of a resolved run; beyond it the run's own error is about 0.1 or more.
 /// Measured over the presets, 0.05 s at 1e-5 s: those within 0.1 of their converged run move by 0.25 at most
-/// (`hard-damping-0` with Heun, 0.05 off); `hard-all-open` with Heun moves by 0.56 (0.36 off), `steel` with
-/// RK4 by 0.79 (0.79 off).
+/// (`hard-damping-0` with Heun, 0.05 off); `hard-all-open` with Heun moves by 0.56 (0.36 off), `steel` with RK4 by 0.79
+/// (0.79 off).
 pub const MOST: f64 = 0.3;
 
-/// Largest relative L2 distance to the finer run of a resolved run. That distance is the error.
+/// Largest relative L2 distance to the finer run of a resolved run, which is the run's error.
 pub const MOST_TO_FINER: f64 = 0.1;
 
 /// Factor between the tolerances of the two runs.
@@ -30,12 +31,12 @@ const DECADE: f64 = 10.0;
 /// Evidence by a second run of the same scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
-    /// Setting of the second run in words, e.g. `a step of 2e-5 s`.
+    /// Setting of the second run as text, e.g. `a step of 2e-5 s`.
     pub other: String,
     /// Distance of the two runs; `None` if the second run failed too.
     pub moved: Option<Distance>,
-    /// Estimated error of the run from the requested time on, by [`ladder::error`]. `None` where both runs have
-    /// too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
+    /// Estimated error of the run from the requested time on, by [`ladder::error`]. `None` if both runs have too few common
+    /// samples there, or explicit steps do not resolve the friction ([`unfollowed`]).
     pub error: Option<Distance>,
     /// Largest distance of a resolved run.
     pub most: f64,
@@ -46,7 +47,7 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Returns true when the forces and the driver's torque move by no more than `most`; false without a second run.
+    /// True if the forces and the driver's torque change by no more than `most`; false without a second run.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.moved.is_some_and(|d| d.worst() <= self.most)
@@ -72,9 +73,9 @@ impl Resolution {
     }
 }
 
-/// Repeats the native run of `gearbox` that gave `time_series` in `evaluations` of the forces, with every other sample. `watch`
-/// receives the simulated time and returns true to stop. The error is that from the time `from_s` on. Only named methods need
-/// this: a run by `auto` brings its own verification.
+/// Repeats the native run of `gearbox` that gave `time_series` in `evaluations` of the forces, with every other sample.
+/// `watch` receives the simulated time and returns true to stop. The error is that from the time `from_s` on. Only for
+/// named methods: `auto` verifies its own run.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
@@ -115,7 +116,7 @@ pub fn check(
     })
 }
 
-/// Returns the error of the second of two runs, which is one refinement finer than the first.
+/// Returns the error of the second of two runs, one refinement finer than the first.
 fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Distance> {
     let (scene, info) = (&gearbox.scene, method(&gearbox.scene.solver.integrator)?);
     let is_stepped = info.family == Family::Explicit && !info.adaptive;

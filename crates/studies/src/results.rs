@@ -1,5 +1,5 @@
-//! Figures for which one runs a scene: driver's torque, peaks of the forces and efficiency after the start-up, each
-//! with its possible error where that is known.
+//! Main figures of a run: driver's torque, peaks of the forces and efficiency after the start-up, each with its uncertainty
+//! if known.
 
 use pinwheel_compare::quantities::{derive, label_and_unit};
 use pinwheel_engines::Run;
@@ -13,19 +13,19 @@ use serde::Serialize;
 
 use crate::band::Bands;
 
-/// The figures of a run.
+/// Figures of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Results {
-    /// Where their window begins, s; it ends with the run.
+    /// Start of their window, s; it ends with the run.
     pub from_s: f64,
-    /// How it is known how far they may be off.
+    /// Source of the uncertainties.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: &'static str,
-    /// In the order in which they are shown.
+    /// Figures in display order.
     pub figures: Vec<Figure>,
 }
 
-/// Where the results of a run begin, s: with the last window of its energy account, or at its half.
+/// Returns the start of a run's results, s: the last window of its energy balance, or half of its duration.
 #[must_use]
 pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
     let account = run.stats.energy.last();
@@ -33,8 +33,8 @@ pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
 }
 
 impl Results {
-    /// Results of `run` from `from_s` on ([`from_s`]), as far as it has the channels for them, off by these shares of
-    /// forces and torque; `uncertainty`: how that is known; `bands`: of the forces by contact laws.
+    /// Computes the results of `run` from `from_s` on ([`from_s`]) for its available channels. The shares are relative
+    /// uncertainties of forces and torque; `uncertainty`: their source; `bands`: of the forces by contact laws.
     #[must_use]
     pub fn of(
         run: &Run,
@@ -78,7 +78,7 @@ impl Results {
                     unit.clone(),
                 );
                 let mut figure = known(&def, value, share.map(|share| size * share), sampling);
-                // A load that is only rounding is none.
+                // A load within rounding is 0.
                 if value.abs() < rounding {
                     (figure.value, figure.sampling) = (Some(0.0), None);
                     figure.uncertainty = Some(figure.uncertainty.unwrap_or(rounding));
@@ -113,13 +113,13 @@ impl Results {
         }
     }
 
-    /// The figure of a definition.
+    /// Returns the figure of a definition.
     #[must_use]
     pub fn get(&self, def: &FigureDef) -> Option<&Figure> {
         self.figures.iter().find(|figure| figure.is(def))
     }
 
-    /// A statistic of a quantity of the time series: `mean`, `min`, `max` or `peak`.
+    /// Returns a statistic of a quantity of the time series: `mean`, `min`, `max` or `peak`.
     #[must_use]
     pub fn statistic(&self, kind: &str, quantity: &str) -> Option<&Figure> {
         let key = format!("{kind}_{quantity}");
@@ -130,7 +130,7 @@ impl Results {
 /// Statistics of forces.
 const FORCES: [&str; 2] = ["peak", "mean"];
 
-/// A figure of a run, off by `off` and by what lies between samples.
+/// Creates a figure of a run with the uncertainty `off` and that of sampling.
 fn known(def: &FigureDef, value: f64, off: Option<f64>, sampling: f64) -> Figure {
     Figure {
         sampling: Some(sampling),
@@ -138,7 +138,7 @@ fn known(def: &FigureDef, value: f64, off: Option<f64>, sampling: f64) -> Figure
     }
 }
 
-/// Over all channels of a quantity, from `from_s` on.
+/// Computes figures over all channels of a quantity, from `from_s` on.
 fn figures_of(time_series: &TimeSeries, quantity: &str, from_s: f64) -> Option<Figures> {
     let window = time_series.window(from_s, f64::INFINITY);
     let all = derive([time_series]);

@@ -1,4 +1,4 @@
-//! Random numbers from a seed, equal on every machine.
+//! Random numbers from a seed.
 
 /// Generator SplitMix64, equal on every machine [Steele, Lea, Flood 2014].
 #[derive(Debug, Clone)]
@@ -34,7 +34,7 @@ impl Rng {
         low * (high / low).powf(self.share())
     }
 
-    /// Returns a whole number from `low` to `high`, both included.
+    /// Returns an integer from `low` to `high`, both included.
     pub fn whole(&mut self, low: usize, high: usize) -> usize {
         low + (self.next() % (high - low + 1) as u64) as usize
     }

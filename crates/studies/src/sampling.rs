@@ -1,9 +1,9 @@
-//! Points spread over the unit cube.
+//! Points distributed over the unit cube.
 
 use crate::rng::Rng;
 
-/// One coordinate of a Latin hypercube (McKay, Beckman, Conover 1979): a value in each of `count` equal parts of 0 to 1, in
-/// an order of its own.
+/// Returns one coordinate of a Latin hypercube (McKay, Beckman, Conover 1979): a value in each of `count` equal parts of 0
+/// to 1, in random order.
 pub(crate) fn hypercube(rng: &mut Rng, count: usize) -> Vec<f64> {
     let mut parts: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {

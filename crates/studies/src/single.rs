@@ -32,7 +32,7 @@ pub(crate) struct RunRecord<'a> {
     diverged_at_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diverged_quantity: Option<&'a str>,
-    /// File with the samples, beside this one.
+    /// Name of the file with the samples, in the same folder.
     #[serde(rename = "courses")]
     time_series: &'static str,
     samples: usize,
@@ -41,13 +41,13 @@ pub(crate) struct RunRecord<'a> {
     /// Evidence of the run at twice the step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution: Option<&'a Resolution>,
-    /// Numerical uncertainty that the engine itself states.
+    /// Numerical uncertainty stated by the engine.
     #[serde(
         rename = "numerical_uncertainty",
         skip_serializing_if = "Option::is_none"
     )]
     pub(crate) uncertainty: Option<&'a Uncertainty>,
-    /// Results of the run, with their uncertainty.
+    /// Results of the run with their uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     results: Option<Results>,
     /// Figures with other contact laws and fits.
@@ -63,7 +63,7 @@ pub(crate) struct RunRecord<'a> {
 /// Longest wall time of the trial of a remedy.
 const TRIED_WITHIN: Duration = Duration::from_secs(1);
 
-/// Returns the remedy for a run that diverged or whose step does not resolve its scene: `auto`, tried first where that takes
+/// Returns the remedy for a run that diverged or whose step does not resolve its scene: `auto`, first tried if that takes
 /// under a second. The text continues an error message after a semicolon.
 #[must_use]
 pub fn remedy(gearbox: &Gearbox, track: SharedModel) -> String {
@@ -102,7 +102,7 @@ pub fn file(ending: &Ending) -> &'static str {
     }
 }
 
-/// Checks that `engine` honours the scene of `gearbox`.
+/// Checks that `engine` supports the scene of `gearbox`.
 ///
 /// # Errors
 /// Cancelled, or [`StudyError::Ended`] with the reason.
@@ -127,7 +127,7 @@ pub struct Outcome {
     pub scene: CheckedScene,
     /// Time series, cost and ending; a run that diverged ends early.
     pub run: Run,
-    /// Evidence of the run at twice the step, if it was made.
+    /// Evidence of the run at twice the step, if made.
     pub resolution: Option<Resolution>,
     /// Figures with other contact laws and fits; `None` if they were not requested or there are no other laws.
     pub bands: Option<Bands>,
@@ -137,8 +137,8 @@ pub struct Outcome {
     pub motion: Option<Motion>,
 }
 
-/// Runs the scene of `gearbox` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
-/// resolves the scene. A divergence is a result.
+/// Runs the scene of `gearbox` on `engine`; `checked`: repeats a native run at twice its step to check its resolution. A
+/// divergence is a result.
 ///
 /// # Errors
 /// Cancelled; an engine that cannot run the scene or fails.
@@ -173,7 +173,7 @@ pub fn run(
     })
 }
 
-/// Evidence of a native run at twice its step. The resolved engine has no step of the scene's.
+/// Returns the evidence of a native run at twice its step; none for the resolved engine, which ignores the scene's step.
 fn check(
     engine: &dyn Engine,
     gearbox: &Gearbox,
@@ -234,7 +234,7 @@ impl Outcome {
         self.results_from(results::from_s(&self.run, &self.scene))
     }
 
-    /// Returns the results over the window from the sample `from_s` on, without those of the energy account's window.
+    /// Returns the results from the sample `from_s` on, without those of the energy balance's window.
     #[must_use]
     pub fn results_from(&self, from_s: f64) -> Results {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);

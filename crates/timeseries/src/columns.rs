@@ -1,5 +1,5 @@
-//! Names of the columns that every engine records. They end in their unit and, where there are several of a kind, in a
-//! number; further columns are channels that a scene asks for.
+//! Names of the columns that every engine records. A name ends in its unit and, for several of a kind, in a number; further
+//! columns are channels that a scene requests.
 //!
 //! ```
 //! use pinwheel_timeseries::columns;
@@ -11,28 +11,28 @@
 
 /// Time, s.
 pub const TIME: &str = "time_s";
-/// Torque the driver exerts on the input shaft, N m, counter-clockwise positive.
+/// Torque of the driver on the input shaft, N m, counter-clockwise positive.
 pub const INPUT_TORQUE: &str = "input_torque_n_m";
-/// Torque on the output shaft without its load, N m, counter-clockwise positive: forces of the output pins, and where given
-/// couples of sleeves on their pins and a seal.
+/// Torque on the output shaft without its load, N m, counter-clockwise positive: forces of the output pins, with friction
+/// couples of sleeves and seals if modelled.
 pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
 /// Angle of the output shaft, rad, 0 at the start, counter-clockwise positive.
 pub const OUTPUT_ANGLE: &str = "output_angle_rad";
-/// Group: magnitude of all discs' force on a ring pin, N.
+/// Group: magnitude of the resultant force of all discs on a ring pin, N.
 pub const EXTERNAL_FORCE: &str = "external_sleeve_force_n";
-/// Group: magnitude of all discs' force on an output pin, N.
+/// Group: magnitude of the resultant force of all discs on an output pin, N.
 pub const INTERNAL_FORCE: &str = "internal_sleeve_force_n";
 
-/// Columns before the pins'.
+/// Columns before those of the pins.
 pub const HEAD: [&str; 3] = [INPUT_TORQUE, OUTPUT_TORQUE, OUTPUT_ANGLE];
 
-/// Column `number` of a group.
+/// Returns the name of column `number` of a group.
 #[must_use]
 pub fn numbered(group: &str, number: usize) -> String {
     format!("{group}_{number}")
 }
 
-/// The columns of a gearbox after the time, in their order.
+/// Returns the columns of a gearbox after the time, in order.
 pub fn of_gearbox(
     external_sleeves: usize,
     internal_sleeves: usize,

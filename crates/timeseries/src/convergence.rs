@@ -1,53 +1,53 @@
-//! From the differences between runs of one method at several refinements to an uncertainty of the finest.
+//! Uncertainty of the finest run from differences between runs of one method at several refinements.
 //!
-//! With H the step over the finest step, p the order and C a constant of the problem, `f(H) = f + C H^p`. Then
-//! `|f2 - f1| = C (H2^p - 1)` and the finest run is off by `C = |f2 - f1| / (H2^p - 1)`; the factor of safety Fs
-//! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
-//! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3; and 3 where
-//! contacts open and close, or forces jump, in a method of a higher order than they allow.
-//! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
-//! (2014) 104. Where runs at several tolerances show no order, because each chooses its steps
-//! anew, three times the largest difference of any two takes its place, as there. Fixed steps that show none say nothing.
+//! With H the step over the finest step, p the order and C a constant of the problem, `f(H) = f + C H^p`. Then `|f2 - f1| = C
+//! (H2^p - 1)`, and the error of the finest run is `C = |f2 - f1| / (H2^p - 1)`. The factor of safety Fs makes this a bound:
+//! Roache's grid convergence index (Verification and Validation in Computational Science and Engineering, 1998, ch. 5). Fs =
+//! 1.25 where three runs show the method's order, else 3; also 3 where contacts open and close, or forces jump, under a method
+//! of a higher order than these allow. The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J.
+//! Comput. Phys. 262 (2014) 104. Runs at several tolerances may show no order, because each chooses its own steps: then, as
+//! there, the bound is three times the largest difference of any two. Fixed steps without an order give no bound.
 
 use serde::{Deserialize, Serialize};
 
-/// Fs where the order was observed as stated.
+/// Fs where the observed order confirms the stated one.
 pub const SAFETY: f64 = 1.25;
-/// Fs elsewhere.
+/// Fs without a confirmed order.
 pub const SAFETY_UNCONFIRMED: f64 = 3.0;
-/// Below this observed order a refinement study does not converge.
+/// Lowest observed order of a convergent refinement study.
 pub const LEAST_ORDER: f64 = 0.5;
-/// Value of [`LEAST_ORDER`] for tolerances: the differences shrink less than twofold while the tolerance falls tenfold.
+/// Value of [`LEAST_ORDER`] for tolerances: the differences shrink twofold as the tolerance falls tenfold.
 pub const LEAST_TOLERANCE_ORDER: f64 = 0.3;
-/// An observed order confirms the stated one when it is no further away than this.
+/// Largest difference between an observed order and the stated order that it confirms.
 pub const ORDER_MARGIN: f64 = 0.5;
-/// Two successive differences confirm an order only if they point the same way: the least cosine between them.
+/// Least cosine between two successive differences that confirm an order: both must point in one direction.
 pub const LEAST_ALIGNMENT: f64 = 0.5;
 
-/// Margin in the order for a scene whose forces [jump](Rough::Jumps): if three runs show the method's formal order
-/// within it, the solution is treated as smooth at these steps. A wider margin would admit orders between that of jumps
-/// and that of the method, which come by chance.
+/// Margin in the order for a scene whose forces [jump](Rough::Jumps): if three runs show the method's formal order within it,
+/// the solution is treated as smooth at these steps. A wider margin would admit accidental orders between those of the jumps
+/// and of the method.
 pub const SMOOTH_MARGIN: f64 = 0.25;
-/// Value of [`LEAST_ALIGNMENT`] for jumping forces: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
+/// Value of [`LEAST_ALIGNMENT`] for jumping forces: differences from jumps have any direction. Heun on the paper's gear without
+/// jumps has 0.84.
 pub const SMOOTH_ALIGNMENT: f64 = 0.8;
 
-/// Non-smooth feature of a scene's forces. It bounds the order of every fixed step, whatever the method.
+/// Non-smooth feature of a scene's forces, which bounds the order of every fixed-step method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rough {
-    /// Contacts open and close with a force of penetration^1.5: a step over such a kink is off by h^2.5.
+    /// Contacts that open and close with a force of penetration^1.5: the error of a step over such a kink is of order h^2.5.
     Kinks,
-    /// A force sets in within less than a step: damping over a ramp that a disc crosses faster. Such a step is off by h times a
-    /// factor of where in it that falls. Steps as short as the ramp see its two kinks: h^2.
+    /// Force that sets in within one step, e.g. damping on a ramp that a disc crosses faster. The error of the step is h times
+    /// a factor of the jump's position in the step. Steps as short as the ramp resolve its two kinks: h^2.
     Jumps,
-    /// Forces jump from point to point all the time.
+    /// Forces that jump from point to point throughout the run.
     Points,
-    /// Friction on a ramp of speeds that no explicit step follows.
+    /// Friction with a ramp of speeds that no explicit step resolves.
     Friction,
 }
 
 impl Rough {
-    /// The order that it allows.
+    /// Returns the order that the feature allows.
     #[must_use]
     pub fn order(self) -> f64 {
         match self {
@@ -57,52 +57,51 @@ impl Rough {
     }
 }
 
-/// Order with which the errors fall of runs that resolve the ramp of a [jump](Rough::Jumps).
+/// Order of the error of runs that resolve the ramp of a [jump](Rough::Jumps).
 const RAMPS: f64 = 2.0;
-/// Least uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
-/// next run. Runs whose steps chatter differ by as much as they err, however much finer one run is, and their differences
-/// show no order. Measured with `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528
-/// errors 516 are covered without this value and 527 with it.
+/// Least uncertainty of a finest run whose step does not resolve its friction, as a share of its distance to the next run. Runs
+/// with chattering steps differ by as much as they err, at any ratio of steps, and show no order. Measured with `rk4` and
+/// rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: 516 of 528 errors are covered without this value
+/// and 527 with it.
 pub const CHATTER: f64 = 1.5;
-/// Order in a tolerance that contacts allow.
+/// Order in the tolerance that contacts allow.
 pub const KINKS: f64 = 0.5;
-/// Order in a tolerance for explicit Runge-Kutta methods, whose few long steps scatter more than others. Measured with
-/// Dormand-Prince on 90 random gears without friction, where [`KINKS`] covers 93.8 % of 432 errors and this value 96 %.
+/// Order in the tolerance for explicit Runge-Kutta methods, whose few long steps scatter more. Measured with Dormand-Prince on
+/// 90 random gears without friction: [`KINKS`] covers 93.8 % of 432 errors, this value 96 %.
 pub const KINKS_EXPLICIT: f64 = 0.43;
-/// Order with which the next difference of runs at several tolerances counts. On average errors fall with the tolerance
-/// itself. But the error of a step over a kink or a jump depends on the place of the kink or jump within the step. The
-/// method's own estimate misses this error (for a step of Dormand-Prince over a jump it is a hundredth of the error), so two
-/// runs may be wrong alike by accident. Counted with the order 1, the next difference hid that. Measured on 1 163 errors of
-/// 73 gears without friction, 40 of the gears like `three39` of the tests, by two methods at several tolerances: with the
-/// order 1, 93.5 % were covered and 17 above 2 u; with these orders 97.7 % are covered and 2 above 2 u. The median of u over
-/// the error rises from 5.4 to 8.5. [`LOOSE_EXPLICIT`] is the order for explicit Runge-Kutta methods.
+/// Order assigned to the next coarser difference of runs at several tolerances. On average errors fall in proportion to the
+/// tolerance. But the error of a step over a kink or a jump depends on its position in the step, and the method's own estimate
+/// misses this error (by a factor of 100 for Dormand-Prince over a jump), so two runs may share an error by accident. Order 1
+/// would hide it. Measured on 1 163 errors of 73 gears without friction, 40 of them like `three39` of the tests, by two methods
+/// at several tolerances: order 1 covers 93.5 %, with 17 errors above 2 u; these orders cover 97.7 %, with 2 above 2 u. The
+/// median of u over the error rises from 5.4 to 8.5. [`LOOSE_EXPLICIT`] is the order for explicit Runge-Kutta methods.
 const LOOSE: f64 = 2.0 / 3.0;
 const LOOSE_EXPLICIT: f64 = 0.5;
-/// The order in a tolerance where forces jump from point to point, which no method follows: each run has an error of its own.
+/// Order in the tolerance where forces jump from point to point, which no method resolves: the runs' errors are independent.
 pub const SCATTER: f64 = 0.0;
 
-/// Kind of setting that is refined from level to level.
+/// Kind of setting that a refinement changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "refined", rename_all = "kebab-case")]
 pub enum Method {
-    /// A step, mesh or number of points of a method with a known order.
+    /// Step, mesh or number of points of a method with a known order.
     Step {
-        /// Order the method states.
+        /// Stated order of the method.
         order: f64,
-        /// Non-smooth feature that bounds the order; `None` for a smooth scene. Coarse runs may show the method's order
-        /// while the error of the finest already falls with the scene's: never more is used.
+        /// Non-smooth feature that bounds the order; `None` for a smooth scene. Coarse runs may show the method's order while
+        /// the error of the finest run already falls with the feature's, so no higher order is used.
         rough: Option<Rough>,
     },
-    /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
-    /// at, to a factor (Fs = 3); over kinks it falls with the square root only (order 2.5 of a method of order 5).
+    /// Error tolerance of an adaptive method. Step size control keeps the error proportional to the tolerance within a factor
+    /// (Fs = 3); over kinks it falls with the square root (order 2.5 of a method of order 5).
     Tolerance {
-        /// Order in the tolerance that the scene allows: 1 for a smooth one, [`KINKS`], [`SCATTER`].
+        /// Order in the tolerance that the scene allows: 1 for a smooth scene, [`KINKS`], [`SCATTER`].
         order: f64,
     },
 }
 
 impl Method {
-    /// The order that the method states in its refinement.
+    /// Returns the method's stated order.
     #[must_use]
     pub fn stated_order(self) -> f64 {
         match self {
@@ -111,7 +110,7 @@ impl Method {
         }
     }
 
-    /// The highest order used: that of method and scene.
+    /// Returns the highest order used: the lower of the method's and the scene's.
     #[must_use]
     pub fn allowed_order(self) -> f64 {
         match self {
@@ -128,9 +127,9 @@ impl Method {
         }
     }
 
-    /// Returns the method without its jumps where three runs show the method's own order, so that no jump is visible:
-    /// the scene then counts as one with kinks. Returns with it the share of the finest difference in which a jump may hide
-    /// all the same, because the order is known within a margin only. Elsewhere returns `self` and 0.
+    /// Returns the method with kinks in place of jumps if three runs show the method's own order, so that no jump is visible.
+    /// The second value is the share of the finest difference that a hidden jump may still cause, because the order is known
+    /// within a margin only. Otherwise returns `self` and 0.
     fn as_seen(self, observed: Option<f64>, steps: &[Step], alignment: Option<f64>) -> (Self, f64) {
         let (Self::Step { order, .. }, Some(Rough::Jumps)) = (self, self.rough()) else {
             return (self, 0.0);
@@ -154,7 +153,7 @@ impl Method {
         }
     }
 
-    /// Fs where the order was not confirmed. A square root of the tolerance is itself the bad case.
+    /// Returns Fs without a confirmed order. A square root of the tolerance is already the worst case.
     fn unconfirmed_safety(self) -> f64 {
         match self {
             Self::Tolerance { order } if order <= KINKS => SAFETY,
@@ -167,49 +166,49 @@ impl Method {
         let Self::Step { order, .. } = self else {
             return false;
         };
-        // Kinks and jumps confirm nothing: where in a step they fall is an accident, and so is the order that three runs show. Nor
-        // does friction: orders about 1 come and go there.
+        // Kinks and jumps confirm no order: their position in a step is random, and so is the order of three runs. Friction
+        // confirms none either: orders about 1 occur by chance.
         let sound = matches!(self.rough(), None | Some(Rough::Friction));
         sound && (order - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
     }
 }
 
-/// Kind of evidence on which an uncertainty rests.
+/// Kind of evidence for an uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
-    /// Three runs showed the stated order: Fs = 1.25.
+    /// Three runs with the stated order: Fs = 1.25.
     Observed,
-    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close, or
-    /// forces jump, which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
+    /// Three convergent runs with another order than stated: Fs = 3 with the lower of both. Also runs with opening contacts or
+    /// jumping forces, which cannot confirm a method of higher order: Fs = 3 with the order of kinks or jumps.
     Unconfirmed,
-    /// Two runs: the order is the stated one, not a measured one. An error that both runs share stays hidden.
+    /// Two runs: the order is stated, not measured. An error common to both stays hidden.
     TwoLevels,
-    /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
+    /// Runs at several tolerances: the error is taken as proportional to the tolerance, Fs = 3.
     Tolerance,
-    /// The runs differ by rounding only: u is the floor of rounding.
+    /// Runs that differ by rounding only: u is the rounding error.
     Rounding,
-    /// A figure of a series whose own uncertainty bounds it more sharply than the figure's study does.
+    /// Bound of a figure by its series, sharper than the figure's own study.
     Series,
-    /// Runs at several tolerances that show no order, or runs beyond the divergence horizon, where each is a sample: three
-    /// times their spread.
+    /// Three times the spread of the runs: runs at several tolerances without an order, or runs beyond the divergence horizon,
+    /// where each is a sample.
     Spread,
-    /// The engine states it: a closed form, or a value the caller knows.
+    /// Stated value: a closed form, or one known to the caller.
     Stated,
 }
 
 impl Basis {
-    /// True if the size of u was confirmed, and not only guarded against by a larger factor of safety.
+    /// True if the size of u was confirmed, not only guarded by a larger factor of safety.
     #[must_use]
     pub fn is_confirmed(self) -> bool {
         matches!(self, Self::Observed | Self::Rounding | Self::Stated)
     }
 }
 
-/// The numerical uncertainty of one figure: a bound of a deterministic error.
+/// Numerical uncertainty of one figure: a bound of a deterministic error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// The uncertainty, in the unit of what was estimated; never negative.
+    /// Uncertainty in the unit of the figure; never negative.
     pub u: f64,
     /// Kind of evidence for the value.
     pub basis: Basis,
@@ -217,12 +216,12 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// Order used.
     pub order: Option<f64>,
-    /// Factor of safety of the finest difference; differences of coarser levels may have another factor.
+    /// Factor of safety of the finest difference; coarser differences may have another.
     pub safety: Option<f64>,
 }
 
 impl Estimate {
-    /// An uncertainty that is known otherwise.
+    /// Returns an uncertainty known from elsewhere.
     #[must_use]
     pub fn stated(u: f64) -> Self {
         Self {
@@ -234,7 +233,7 @@ impl Estimate {
         }
     }
 
-    /// Returns the estimate for runs that are this far `apart` when the evidence favours no run.
+    /// Returns the uncertainty of runs that differ by `apart`, when the evidence favours no run.
     #[must_use]
     pub fn spread(apart: f64, floor: f64) -> Self {
         Self {
@@ -244,8 +243,8 @@ impl Estimate {
         }
     }
 
-    /// Factor by which the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
-    /// refinement would do (rounding), or the order is not known.
+    /// Returns the factor by which the step (or tolerance) must fall for u to fall to `target`, at least 1; `None` where no
+    /// refinement helps (rounding), or the order is unknown.
     #[must_use]
     pub fn refinement_for(&self, target: f64) -> Option<f64> {
         if matches!(self.basis, Basis::Rounding) {
@@ -256,17 +255,17 @@ impl Estimate {
     }
 }
 
-/// Why there is no uncertainty, and what would give one.
+/// Reason for a missing uncertainty, and a remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unresolved {
-    /// Why.
+    /// Reason for the missing uncertainty.
     pub reason: String,
-    /// Action by the user that would make the result resolved.
+    /// Action of the user's that would give an uncertainty.
     pub remedy: String,
 }
 
 impl Unresolved {
-    /// The reason, and what would help.
+    /// Pairs a reason with a remedy.
     #[must_use]
     pub fn new(reason: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
@@ -276,16 +275,16 @@ impl Unresolved {
     }
 }
 
-/// From one level to the next coarser one.
+/// Transition from one level to the next coarser one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// The coarser refinement over the finer one, above 1.
+    /// Ratio of the coarser refinement to the finer one, above 1.
     pub ratio: f64,
     /// Norm of the difference of the two runs.
     pub difference: f64,
 }
 
-/// Returns the order p that the two finest differences show; `None` if a difference is zero or not finite.
+/// Returns the order p of the two finest differences; `None` if a difference is zero or not finite.
 ///
 /// Solves `e32/e21 = r21^p (r32^p - 1) / (r21^p - 1)`, which for equal ratios is `ln(e32/e21) / ln r`.
 /// The result lies between -20 and 20.
@@ -318,10 +317,10 @@ pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
     Some(0.5 * (low + high))
 }
 
-/// The uncertainty of the finest run.
+/// Returns the uncertainty of the finest run.
 ///
-/// `steps`: from the finest level to the coarsest. `alignment`: cosine between the two finest differences, for
-/// single figures 1 or -1. `floor`: what rounding alone may make of a difference, in the unit of the differences.
+/// `steps`: from the finest level to the coarsest. `alignment`: cosine between the two finest differences, 1 or -1 for single
+/// figures. `floor`: rounding error of a difference, in its unit.
 ///
 /// # Errors
 /// [`Unresolved`]: fewer than two runs, differences that are not finite or do not shrink.
@@ -360,12 +359,12 @@ pub fn estimate(
         let mut refinement = fine.ratio;
         let mut largest =
             safety * fine.difference * (1.0 / (refinement.powf(order) - 1.0) + hidden);
-        // Every level predicts the error of the finest; an accident of one difference does not hide the others.
+        // Every level predicts the error of the finest, so that an accident of one difference does not hide the others.
         let (order, safety) = match method.rough() {
             Some(Rough::Kinks) => (order, SAFETY),
             Some(Rough::Jumps) => (RAMPS, safety),
             Some(Rough::Points) => (order, safety),
-            // With friction coarse runs fall with the method's own order.
+            // With friction the differences of coarse runs fall with the method's own order.
             Some(Rough::Friction) => {
                 largest = largest.max(CHATTER * fine.difference);
                 (method.stated_order(), safety)
@@ -376,9 +375,9 @@ pub fn estimate(
                 _ => (order, safety),
             },
         };
-        // Clearly more than that order is luck: the finest difference is small for no reason, the next one is not.
+        // An order clearly above the expected one is luck: the finest difference is small by accident, the next one is not.
         let is_luck = observed.is_some_and(|observed| observed > order + ORDER_MARGIN);
-        // An order that is loose leaves room for it.
+        // A loose order already allows for it.
         let is_luck = is_luck && !matches!(method, Method::Tolerance { order } if order < 1.0);
         let safety = if is_luck { SAFETY_UNCONFIRMED } else { safety };
         for step in &steps[1..] {
@@ -398,7 +397,7 @@ pub fn estimate(
             safety: Some(safety),
         })
     };
-    // No two runs are further apart than all their differences together.
+    // No two runs differ by more than the sum of all differences.
     let spread = || Estimate::spread(steps.iter().map(|step| step.difference).sum(), floor);
     if method.allowed_order() < method.least_order() {
         return Ok(spread());
@@ -406,7 +405,7 @@ pub fn estimate(
     let guarded = method.unconfirmed_safety();
     let (shared_error, lowest) = match method {
         Method::Step { .. } => (Basis::TwoLevels, Basis::Rounding),
-        // Its floor is what all its runs may miss alike, which nothing shows.
+        // Rounding of runs at tolerances includes their common error, which nothing reveals.
         Method::Tolerance { .. } => (Basis::Tolerance, Basis::Tolerance),
     };
     if fine.difference <= floor {
@@ -442,7 +441,7 @@ pub fn estimate(
     };
     let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
     if aligned && method.confirmed_by(observed) {
-        // The deficit of the order shows how well the order is known: it is subtracted once more.
+        // The deficit of the order indicates its uncertainty, so it is subtracted twice.
         let order = (lower - (allowed - lower)).max(LEAST_ORDER);
         return known(Basis::Observed, Some(observed), order, SAFETY);
     }

@@ -1,4 +1,4 @@
-//! CSV in and out: header row, `.` decimals, every digit that the value has.
+//! Reading and writing of CSV: header row, `.` decimals, every digit of a value.
 
 use std::io::{Read, Write};
 use std::path::Path;
@@ -7,7 +7,7 @@ use crate::table::Table;
 use crate::{TimeSeries, TimeSeriesError, columns};
 
 impl TimeSeries {
-    /// Writes `time_s` and all channels; numbers are printed so that they read back bit for bit.
+    /// Writes `time_s` and all channels; numbers read back bit for bit.
     ///
     /// # Errors
     /// Error of the writer.
@@ -18,17 +18,16 @@ impl TimeSeries {
     /// Writes a CSV file; see [`TimeSeries::write_csv`].
     ///
     /// # Errors
-    /// The file cannot be made or written.
+    /// The file cannot be created or written.
     pub fn save_csv(&self, path: &Path) -> Result<(), TimeSeriesError> {
         let file = std::fs::File::create(path).map_err(io(path))?;
         self.write_csv(std::io::BufWriter::new(file))
     }
 
-    /// Reads what [`TimeSeries::write_csv`] wrote, or any CSV with a `time_s` column; columns without a name are left out.
+    /// Reads a file of [`TimeSeries::write_csv`], or any CSV with a `time_s` column; columns without a name are left out.
     ///
     /// # Errors
-    /// Malformed CSV, no time column, a cell that is no number (row and column are named),
-    /// time that does not increase.
+    /// Malformed CSV, no time column, a cell without a number (the message names row and column), time that does not increase.
     pub fn read_csv(source: impl Read) -> Result<Self, TimeSeriesError> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)

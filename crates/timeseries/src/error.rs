@@ -28,7 +28,7 @@ pub enum TimeSeriesError {
         /// Time of this row.
         after: f64,
     },
-    /// A cell is not a number.
+    /// Cell without a number.
     #[error("row {row}, column `{column}`: `{text}` is not a number")]
     Cell {
         /// Row number, the first data row being 1.
@@ -41,7 +41,7 @@ pub enum TimeSeriesError {
     /// File without a `time_s` column.
     #[error("no column `time_s`: the first row must name the columns")]
     NoTime,
-    /// The CSV itself is malformed.
+    /// Malformed CSV.
     #[error("malformed CSV: {0}")]
     Csv(#[from] csv::Error),
     /// A file cannot be read or written.
@@ -49,7 +49,7 @@ pub enum TimeSeriesError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 }

@@ -1,7 +1,7 @@
-//! Ladder of refinements: runs of one engine at several settings, and the uncertainty of the finest run that follows.
+//! Ladder of refinements: runs of one engine at several settings, and the uncertainty of the finest run.
 //!
-//! [`convergence`] holds the formulas on plain numbers. A [`Ladder`] applies them to time series: to all channels of a quantity
-//! jointly, in the norms of a comparison ([`Ladder::estimate`]), or to the distances of whole runs ([`error`]).
+//! [`convergence`] has the formulas for plain numbers. A [`Ladder`] applies them to time series: to all channels of a quantity
+//! jointly, in the norms of a comparison ([`Ladder::estimate`]), or to the distances of runs ([`error`]).
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -10,16 +10,16 @@ use crate::TimeSeries;
 use crate::convergence::{self, Basis, Estimate, Method, Step, Unresolved};
 use crate::norms::{Distance, Statistics, View, peak, rms, rows_at};
 
-/// Finest run of an engine, and the coarser runs by which it is judged.
+/// Finest run of an engine with its coarser runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
-    /// Kind of setting that is refined, and how errors fall with it.
+    /// Kind of setting that is refined, with its order.
     pub method: Method,
-    /// Step (s), tolerance or other refined setting of the finest run, whose time series stand beside the ladder.
+    /// Step (s), tolerance or other setting of the finest run, whose time series are stored beside the ladder.
     pub finest: f64,
-    /// Share of every quantity that all runs are off by alike, so that no level shows it.
+    /// Error common to all runs, as a share of every quantity, which no level reveals.
     pub floor: f64,
-    /// The other runs.
+    /// Coarser runs.
     pub coarser: Vec<Level>,
 }
 
@@ -28,25 +28,25 @@ pub struct Ladder {
 pub struct Level {
     /// Step, tolerance or other refined setting, above the finest.
     pub setting: f64,
-    /// Time series at the finest run's sample times, or at every other one of these; or the reason why there are none.
+    /// Time series at the finest run's sample times, or at every second one; or the reason for their absence.
     pub run: Result<TimeSeries, String>,
     /// Wall time, s.
     pub wall_s: f64,
 }
 
-/// One uncertainty, or why there is none.
+/// Uncertainty, or the reason for its absence.
 pub type Known = Result<Estimate, Unresolved>;
 
 /// Uncertainties of one quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimates {
-    /// Root mean square of the series' error, its largest error; errors of mean, largest magnitude and root mean square.
+    /// Root mean square and largest error of the series; errors of mean, largest magnitude and root mean square.
     pub norms: [Known; 5],
-    /// The first over the quantity's own root mean square; `None` for a series of zeros.
+    /// Root mean square error over the quantity's own root mean square; `None` for a series of zeros.
     pub relative_l2: Option<f64>,
 }
 
-/// One pair of neighbouring levels, in every norm.
+/// Differences of two neighbouring levels in every norm.
 #[derive(Debug, Clone, Copy)]
 struct Gap {
     ratio: f64,
@@ -61,7 +61,7 @@ impl Ladder {
         level.setting / self.finest
     }
 
-    /// Makes a finer run the finest; the one before becomes a level, and the coarsest of three goes.
+    /// Makes a finer run the finest. The previous one becomes a level, and the coarsest of three is dropped.
     pub fn refine(&mut self, setting: f64, before: Level) {
         self.finest = setting;
         self.coarser.insert(0, before);
@@ -72,7 +72,7 @@ impl Ladder {
     /// their root mean square and peak. `pointwise`: true if runs may be compared sample by sample.
     ///
     /// # Errors
-    /// A level that failed, has other sample times, lacks a channel or is not coarser than the finest.
+    /// A level that failed, has other sample times, lacks a channel or is not coarser than the finest run.
     pub fn estimate(
         &self,
         finest: &TimeSeries,
@@ -184,9 +184,9 @@ impl Ladder {
         Ok(runs)
     }
 
-    /// A scalar figure. Where the series showed the stated order, the figure's own differences are used with that
-    /// order, which all samples vote for: the error of one number passes through zero and would show any. No figure
-    /// is off by more than its series; where that order was not confirmed, that bound is all there is.
+    /// Returns the uncertainty of a scalar figure. If the series showed the stated order, the figure's own differences are used
+    /// with it: the error of a single number passes through zero and would show any order. A figure's error never exceeds that
+    /// of its series, which is the only bound if the order was not confirmed.
     fn figure(&self, gaps: &[Gap], values: &[f64], floor: f64, series: &Known) -> Known {
         let series = series.clone()?;
         let bound = Estimate {
@@ -211,8 +211,8 @@ impl Ladder {
     }
 }
 
-/// Returns a bound of the error of a run from its distance to a coarser one, and that one's to the next; NaN where they do not
-/// show it. Each distance comes with the ratio of the settings.
+/// Returns a bound of a run's error from its distance to a coarser run, and that run's to the next; NaN if the distances show
+/// no order. Each distance comes with the ratio of the settings.
 pub fn error(
     apart: &[(Distance, f64)],
     alignment: Option<f64>,
@@ -230,8 +230,8 @@ pub fn error(
     })
 }
 
-/// True if a run has the sample times of `finest`, to rounding, or every other one; at its end it may have one more, which
-/// no estimate reads.
+/// True if a run has the sample times of `finest`, to rounding, or every second one; it may have one more at its end, which no
+/// estimate reads.
 fn stands_on(run: &TimeSeries, finest: &TimeSeries) -> bool {
     let on = |every: usize, more: usize| {
         let count = finest.len().div_ceil(every);
@@ -242,8 +242,8 @@ fn stands_on(run: &TimeSeries, finest: &TimeSeries) -> bool {
     on(1, 0) || on(2, 1)
 }
 
-/// Returns channels over some samples of the finest run; `thinned` to every other sample of that run, which are all that a run
-/// that `is_thin` has.
+/// Returns channels over some samples of the finest run; if `thinned`, at every second one, the only samples of a run that
+/// `is_thin`.
 fn cut<'a>(
     run: &'a TimeSeries,
     channels: &[String],
@@ -288,7 +288,7 @@ fn gaps(runs: &[(f64, &TimeSeries)], views: &[View<'_>]) -> Option<Vec<Gap>> {
     };
     pairs.map(gap).collect()
 }
-/// Cosine between `f3 - f2` and `f2 - f1`: 1 where every sample converges along one line.
+/// Returns the cosine between `f3 - f2` and `f2 - f1`: 1 where every sample converges along one line.
 fn alignment(views: &[View<'_>]) -> Option<f64> {
     let [one, two, three, ..] = views else {
         return None;
@@ -315,7 +315,7 @@ fn alignment(views: &[View<'_>]) -> Option<f64> {
     Some(xy / (xx * yy).sqrt())
 }
 
-/// Beyond the divergence horizon every level is a sample of the same statistics.
+/// Returns the spread of levels beyond the divergence horizon, where each is a sample of one distribution.
 fn spread(values: &[f64], floor: f64) -> Estimate {
     let furthest = values
         .iter()

@@ -1,4 +1,4 @@
-//! Time series: named channels over time, the one result type of every engine.
+//! Time series: named channels over time, the result type of every engine.
 //!
 //! ```text
 //!  time_s | input_torque_n_m | output_torque_n_m | output_angle_rad | external_sleeve_force_n_0 .. | channels asked for
@@ -15,7 +15,7 @@
 //! # Ok::<(), pinwheel_timeseries::TimeSeriesError>(())
 //! ```
 //!
-//! Beside them: any other result as a [`Table`](table::Table); how a run ended, what it cost and where its energy went ([`Ending`], [`RunStats`], [`EnergyAudit`]), and
+//! Other results: a [`Table`](table::Table); ending, cost and energy of a run ([`Ending`], [`RunStats`], [`EnergyAudit`]);
 //! [`foreign`] data by a map of their columns.
 //!
 //! A channel's name carries its unit as a suffix (`input_torque_n_m`, see [`columns`]); numbered

@@ -1,12 +1,12 @@
-//! Norms and figures of time series: how large one is, and how far two are apart.
+//! Norms of time series and distances between them.
 //!
 //! ```text
 //! RMS            sqrt(sum x^2 / n)            over all channels and samples of a view
 //! relative L2    RMS(a - b) / RMS(b)          b is the reference
 //! relative Linf  max |a - b| / max |b|
 //! ```
-//! A least value replaces a reference that is next to nothing. What is not finite, or has another shape,
-//! has no norm: `None` or NaN, which is never a small one.
+//! A least value replaces a negligible reference. Values that are not finite, or views of different shape, have no norm: `None`
+//! or NaN, never a small number.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -15,20 +15,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::{TimeSeries, columns};
 
-/// Sample times may differ by this part of their spacing: a rounding, which moves a course by as
-/// small a part of its change over one sample.
+/// Largest difference of sample times, as a share of their spacing: a rounding, which changes a signal by as small a share of
+/// its change over one sample.
 const SAME: f64 = 1e-6;
 
 const FORCES: [&str; 2] = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
 
-/// Some channels of one run, cut to one window. All channels have the same length.
+/// Channels of one run over one window, all of the same length.
 #[derive(Debug, Clone)]
 pub struct View<'a> {
     channels: Vec<&'a [f64]>,
 }
 
 impl<'a> View<'a> {
-    /// A view of channels of the same length.
+    /// Makes a view of channels of the same length.
     #[must_use]
     pub fn new(channels: Vec<&'a [f64]>) -> Self {
         Self { channels }
@@ -114,8 +114,8 @@ impl<'a> From<&'a [f64]> for View<'a> {
     }
 }
 
-/// Relative L2 distance of `a` from the reference `b`. Where `b` is smaller, `least` in one channel at every sample stands in
-/// for it. 0 where both are nothing, 1 where only `b` is and `least` is 0; NaN where one has no norm.
+/// Returns the relative L2 distance of `a` from the reference `b`, whose norm is at least that of `least` in one channel at
+/// every sample. 0 if both are zero, 1 if only `b` and `least` are; NaN if either has no norm.
 #[must_use]
 pub fn relative_l2(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
     let least = least / (b.channels.len().max(1) as f64).sqrt();
@@ -123,8 +123,8 @@ pub fn relative_l2(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
     share(off.filter(|_| a.same_shape(b)), b.rms(), least)
 }
 
-/// Largest difference of `a` from the reference `b` over the peak of `b`, which counts as `least` at least. 0, 1 and NaN as in
-/// [`relative_l2`].
+/// Returns the largest difference of `a` from the reference `b` over the peak of `b`, which is at least `least`. 0, 1 and NaN
+/// as for [`relative_l2`].
 #[must_use]
 pub fn relative_linf(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
     share(peak(a.less(b)).filter(|_| a.same_shape(b)), b.peak(), least)
@@ -144,7 +144,7 @@ fn share(difference: Option<f64>, size: Option<f64>, least: f64) -> f64 {
     }
 }
 
-/// Returns the row in the increasing times `whole` of each of `times`; `None` where `whole` has no sample at that time.
+/// Returns the row in the increasing times `whole` of each of `times`; `None` without a sample at that time.
 pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = Option<usize>> + 'a {
     times.iter().map(|&time| {
         let after = whole.partition_point(|&t| t < time);
@@ -160,23 +160,24 @@ pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = O
     })
 }
 
-/// Loads that a gear does not notice: distances are shares of no less.
+/// Loads that are negligible for a gear, the least references of distances.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadFloor {
     /// Force of a pin, N.
     pub force_n: f64,
-    /// The driver's torque, N m.
+    /// Torque of the driver, N m.
     pub torque_n_m: f64,
 }
 
 /// Relative distances of two runs of a gearbox.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Distance {
-    /// All pin forces together, L2.
+    /// L2 distance of all pin forces jointly.
     pub forces: f64,
-    /// The driver's torque, L2.
+    /// L2 distance of the driver's torque.
     pub driver_torque: f64,
-    /// The largest of a pin force at a sample, over the largest force: what bounds an extreme, which the root of a mean does not.
+    /// Largest difference of a pin force at a sample, over the largest force: a bound of extremes, which the L2 distance is
+    /// not.
     #[serde(default)]
     pub force_at_most: f64,
     /// Largest difference of the driver's torque at a sample, over the largest torque.
@@ -185,8 +186,8 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// Returns the distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
-    /// times must be among those of `b`. See [`relative_l2`].
+    /// Returns the distance of `a` from the reference `b` over their common samples. If `a` has fewer samples, its times must
+    /// be among those of `b`. See [`relative_l2`].
     #[must_use]
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
         let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
@@ -213,7 +214,7 @@ impl Distance {
         }
     }
 
-    /// Each by itself, of whatever has as many.
+    /// Evaluates `of` for each component.
     pub fn of_each(mut of: impl FnMut(fn(&Self) -> f64) -> f64) -> Self {
         Self {
             forces: of(|d| d.forces),
@@ -223,8 +224,8 @@ impl Distance {
         }
     }
 
-    /// Returns the distance as an error of a run. The torque is a sum of forces times lever arms, so it is known no better than they are, however near
-    /// two runs of it lie by accident.
+    /// Returns the distance as an error of a run. The torque is a sum of forces times lever arms, so its error is at least
+    /// theirs, even if two runs agree by accident.
     #[must_use]
     pub fn torque_as_forces(&self) -> Self {
         Self {
@@ -243,13 +244,13 @@ impl Distance {
         self.forces.max(self.driver_torque)
     }
 
-    /// Each with another's added.
+    /// Adds another distance to each component.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self::of_each(|part| part(self) + part(other))
     }
 
-    /// Each, and `least` where it is less.
+    /// Raises each component to at least `least`.
     #[must_use]
     pub fn at_least(&self, least: f64) -> Self {
         Self::of_each(|part| part(self).max(least))
@@ -287,7 +288,7 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Largest less smallest of finite values; 0 without any.
+/// Range of finite values, largest less smallest; 0 without any.
 #[must_use]
 pub fn range(values: &[f64]) -> f64 {
     extremes(&[values]).map_or(0.0, |[low, high]| high - low)
@@ -297,7 +298,7 @@ pub fn range(values: &[f64]) -> f64 {
 fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
     const LANES: usize = 4;
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    // A value that is not finite leaves NaN here.
+    // Becomes NaN if a value is not finite.
     let mut spoiled = [0.0; LANES];
     let mut take = |lane: usize, value: f64| {
         low[lane] = if value < low[lane] { value } else { low[lane] };
@@ -329,14 +330,14 @@ pub fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     })
 }
 
-/// The largest power of two not above `value` >= 0, and at least the smallest normal number: neither dividing by it nor
-/// multiplying by its inverse rounds.
+/// Returns the largest power of two not above `value` >= 0, at least the smallest normal number: dividing by it, or multiplying
+/// by its inverse, does not round.
 fn power_of_two_below(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
 }
 
-/// Root mean square of finite values whose largest magnitude is `peak`: scaled down by it, so
-/// that squares neither overflow nor vanish. `None` without values.
+/// Root mean square of finite values whose largest magnitude is `peak`. Scaling by it keeps squares from overflow and
+/// underflow. `None` without values.
 #[must_use]
 pub fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
     let scale = power_of_two_below(peak);
@@ -349,7 +350,7 @@ pub fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
     (count > 0).then(|| scale * (sum / count as f64).sqrt())
 }
 
-/// Mean, extremes, root mean square. All in the quantity's unit.
+/// Mean, extremes, root mean square, in the quantity's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Mean over channels and samples.
@@ -365,11 +366,11 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Statistics of a view; `None` without values or with one that is not finite.
+    /// Evaluates the statistics of a view; `None` without values or with one that is not finite.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
         let [min, max] = extremes(&view.channels)?;
-        // Evaluation and squares of values over a power of two near the largest magnitude neither overflow nor vanish.
+        // Divided by a power of two near the largest magnitude, sums and squares neither overflow nor vanish.
         let peak = max.max(-min);
         let scale = power_of_two_below(peak);
         let (mut sum, mut squares) = (0.0, 0.0);

@@ -1,7 +1,7 @@
-//! Reading and writing of Parquet: typed columns, every digit, a tenth of the time of CSV to read back.
+//! Reading and writing of Parquet: typed columns, every digit, a tenth of CSV's time to read back.
 //!
-//! One row group, no compression (codecs are the heavy part of the library), dictionary pages where
-//! values repeat. Numbers are doubles, whole numbers 64 bits, texts UTF-8; cells may be empty.
+//! One row group, no compression (codecs dominate the library's size), dictionary pages for repeated values. Numbers are
+//! doubles, integers 64 bits, texts UTF-8; cells may be empty.
 
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,15 +28,15 @@ pub enum ParquetFault {
     /// Parquet file with more rows than its reader allows.
     #[error("Parquet: {rows} rows, but there may be {most}")]
     Long {
-        /// Rows that it says it has.
+        /// Stated number of rows.
         rows: i64,
-        /// Rows at most.
+        /// Largest permitted number of rows.
         most: usize,
     },
     /// Damaged Parquet file, on which the library fails.
-    #[error("Parquet: the file is damaged; write it anew")]
+    #[error("Parquet: the file is damaged; write it again")]
     Damaged,
-    /// Parquet file that does not hold time series.
+    /// Parquet file without time series.
     #[error(transparent)]
     TimeSeries(#[from] TimeSeriesError),
     /// File that cannot be opened or created.
@@ -59,7 +59,7 @@ impl Values {
 }
 
 impl Table {
-    /// Writes a Parquet file of the columns that have a name.
+    /// Writes the columns that have a name as a Parquet file.
     ///
     /// # Errors
     /// Error of the library (columns of different lengths) or of the writer.
@@ -69,7 +69,7 @@ impl Table {
         let schema = Type::group_type_builder("table")
             .with_fields(fields.collect::<Result<_, _>>()?)
             .build()?;
-        // Equal columns give equal bytes: no library version is written into the file.
+        // No library version, so that equal columns give equal bytes.
         let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
         let mut writer =
             SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;
@@ -114,22 +114,22 @@ pub fn save_time_series(time_series: &TimeSeries, path: &Path) -> Result<(), Par
     Table::from(time_series).write_parquet(std::fs::File::create(path)?)
 }
 
-/// Reads what [`save_time_series`] wrote, or any Parquet file of doubles with a `time_s` column, of at most `most` rows; empty
-/// cells are read as NaN, and columns that are no doubles are passed over.
+/// Reads a file of [`save_time_series`], or any Parquet file of doubles with a `time_s` column, of at most `most` rows. Empty
+/// cells are NaN; columns of other types are ignored.
 ///
 /// # Errors
-/// It is no Parquet file, is longer, has no time or time that does not increase.
+/// Not a Parquet file, too many rows, no time or time that does not increase.
 pub fn read_time_series(
     source: impl ChunkReader + 'static,
     most: usize,
 ) -> Result<TimeSeries, ParquetFault> {
-    // The library panics on some damaged files; its state goes with the reader.
+    // The library panics on some damaged files; its state is dropped with the reader.
     let read = || doubles(source, most);
     let columns = catch_unwind(AssertUnwindSafe(read)).unwrap_or(Err(ParquetFault::Damaged))?;
     Ok(TimeSeries::of_columns(columns)?)
 }
 
-/// The columns of doubles.
+/// Reads the columns of doubles.
 fn doubles(
     source: impl ChunkReader + 'static,
     most: usize,
@@ -145,7 +145,7 @@ fn doubles(
     let schema = Type::group_type_builder(schema.name())
         .with_fields(fields.cloned().collect())
         .build()?;
-    // Repeated values take no room in the file: what it holds says nothing of how long it is.
+    // Repeated values need no space in the file, so its size does not bound its rows.
     let rows = reader.metadata().file_metadata().num_rows();
     if rows > i64::try_from(most).unwrap_or(i64::MAX) {
         return Err(ParquetFault::Long { rows, most });

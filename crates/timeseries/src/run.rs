@@ -1,28 +1,28 @@
-//! Facts of a run beside its time series: track, cost, energy account, ending. Every engine, comparison and file uses
-//! these types.
+//! Facts of a run beside its time series: shared model, cost, energy account, ending, in the types of every engine, comparison
+//! and file.
 
 use serde::{Deserialize, Serialize};
 
 use crate::norms::View;
 use crate::{TimeSeries, columns};
 
-/// Track: the comparison to which an engine belongs. Tracks are never mixed in one table.
+/// Model that an engine shares with the native solver. Engines that share different models are never in one table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SharedModel {
-    /// Pinwheel's own solver; stands in the tables of every other track.
+    /// Pinwheel's own solver; it is in the tables of all others.
     Native,
-    /// Foreign bodies, joints and time integration; contact forces from our law inside the engine's step.
+    /// Foreign bodies, joints and time integration; Pinwheel's contact law evaluated inside the engine's step.
     SharedLaw,
-    /// The engine detects or resolves contact itself.
+    /// Contact detection or resolution by the engine itself.
     OwnContact,
-    /// Data from elsewhere: another program's export, a test rig. Samples may be missing (NaN) before
-    /// and after what it covers, and only limits that its owner states apply.
+    /// Measured or imported data: another program's export, a test rig. Samples may be missing (NaN) at both ends, and only
+    /// limits stated by the owner apply.
     Measured,
 }
 
 impl SharedModel {
-    /// The word used in reports and files.
+    /// Returns the word in reports and files.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -33,7 +33,7 @@ impl SharedModel {
         }
     }
 
-    /// Name of the part that runs of this track share with the native solver. Agreement says nothing about that part.
+    /// Names the shared part, about which agreement is no evidence.
     #[must_use]
     pub const fn shares(self) -> &'static str {
         match self {
@@ -64,25 +64,24 @@ pub struct RunStats {
     pub steps: u64,
     /// Rejected steps (adaptive methods).
     pub rejected_steps: u64,
-    /// Degrees of freedom integrated (velocities, not coordinates with their rates).
+    /// Degrees of freedom integrated, i.e. velocities.
     pub degrees_of_freedom: usize,
-    /// Bodies the engine moves.
+    /// Number of moving bodies.
     pub bodies: usize,
-    /// Step in use, s (the mean accepted step of adaptive methods).
+    /// Step, s (the mean accepted step of adaptive methods).
     pub step_s: f64,
     /// The engine's own settings in words, e.g. `reduced, rk2`.
     pub settings: String,
-    /// Remarks for the reader (approximations, guards that fired).
+    /// Remarks for the reader (approximations, activated safeguards).
     pub notes: Vec<String>,
     /// Largest position error of any joint, m, where the engine has constraints.
     pub joint_drift_m: Option<f64>,
     /// Energy account of the run and of its second half, where the engine keeps one.
     pub energy: Vec<EnergyAudit>,
-    /// Description of a recording, set for time series that were recorded earlier and not computed now: date, program
-    /// and reason of use. Costs are then the costs of the recording, on its machine; its samples may be a subset of
-    /// the other runs' samples.
+    /// Description of a recording, for time series of an earlier date: date, program and reason of use. Its costs are those on
+    /// its machine; its samples may be a subset of the other runs' samples.
     pub recorded: Option<String>,
-    /// Day and machine of a run that an earlier command made and kept: it is whole, and its costs are those of then.
+    /// Day and machine of a complete run that an earlier command stored; its costs are those of that time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kept: Option<String>,
     /// Uncertainty of recorded time series.
@@ -90,15 +89,15 @@ pub struct RunStats {
     pub recorded_uncertainty: Vec<RecordedUncertainty>,
 }
 
-/// Uncertainty of a recorded quantity in one window, in its unit; `None` where it is not known.
+/// Uncertainty of a recorded quantity in one window, in its unit; `None` if unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedUncertainty {
-    /// The quantity's name.
+    /// Quantity name.
     pub quantity: String,
     /// Start of the window, s.
     pub from_s: f64,
-    /// End of the part, s.
+    /// End of the window, s.
     pub to_s: f64,
     /// Root mean square of the series' error.
     pub l2: Option<f64>,
@@ -127,11 +126,11 @@ pub struct EnergyAudit {
     pub kinetic_j: f64,
     /// Growth of the energy stored in contacts, J.
     pub stored_j: f64,
-    /// Lost by contact damping, J.
+    /// Energy lost to contact damping, J.
     pub damping_j: f64,
-    /// Lost by friction, J.
+    /// Energy lost to friction, J.
     pub friction_j: f64,
-    /// Friction losses in contacts, J; this and the next three are `None` where nothing rubs so.
+    /// Friction losses in contacts, J; these and the next three are `None` if not modelled.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_friction_j: Option<f64>,
     /// Energy lost to friction in the bearings of eccentrics or cranks, J.
@@ -143,21 +142,21 @@ pub struct EnergyAudit {
     /// Energy lost to friction of seals, J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal_friction_j: Option<f64>,
-    /// Remainder of the balance, J: positive when energy appeared that nothing accounts for.
+    /// Remainder of the balance, J: positive for energy of unknown origin.
     pub remainder_j: f64,
-    /// Remainder as a share of the larger of the two works; `None` where both works are only the account's rounding.
+    /// Remainder as a share of the larger work; `None` if both works are rounding.
     pub remainder_share: Option<f64>,
-    /// Error of the remainder by the signal between the account's entries, J.
+    /// Error of the remainder from the signal between the account's entries, J.
     #[serde(default)]
     pub remainder_off_j: f64,
-    /// Possible error of the losses due to the course between the account's entries, J.
+    /// Error of the losses from the signal between the account's entries, J.
     #[serde(default)]
     pub lost_off_j: f64,
 }
 
 impl EnergyAudit {
-    /// The remainder as a share of the larger of the two works, of an account of energies up to `held_j`; `None` where the
-    /// works are rounding beside these.
+    /// Returns the remainder as a share of the larger work; `None` if the works are rounding of the account's largest energy
+    /// `held_j`.
     #[must_use]
     pub fn share(remainder_j: f64, driver_j: f64, load_j: f64, held_j: f64) -> Option<f64> {
         let work = driver_j.abs().max(load_j.abs());
@@ -173,7 +172,8 @@ impl EnergyAudit {
         both / (self.to_s.max(to_s) - self.from_s.min(from_s))
     }
 
-    /// Mean power at the input shaft and at the load, W, where it is of that time: by works, which know what lies between samples.
+    /// Returns the mean power at input shaft and load, W, from works, which include the signal between samples; `None` if the
+    /// account covers another time.
     #[must_use]
     pub fn mean_powers(&self, from_s: f64, to_s: f64) -> Option<[f64; 2]> {
         let time = self.to_s - self.from_s;
@@ -182,27 +182,26 @@ impl EnergyAudit {
     }
 }
 
-/// Share of its time from which on a window is that of an account, whose ends lie on samples.
+/// Overlap from which on a window and an account, whose ends are samples, cover the same time.
 const SAME: f64 = 0.98;
-/// Work below this share of the energies that were added up is their rounding.
+/// Share of the summed energies below which a work is rounding.
 const ROUNDING: f64 = 1e-11;
 
-/// Larger ratios of powers are no efficiencies: what springs and masses store and give back in the window is more than
-/// what goes through.
+/// Largest ratio of powers that is an efficiency: above it stored energy exceeds the transmitted energy.
 const MOST_EFFICIENT: f64 = 2.0;
 
-/// Share of the power created or destroyed by a contact law from which on no efficiency is defined.
+/// Least share of the power created or destroyed by a contact law that makes an efficiency meaningless.
 pub const CREATED: f64 = 1e-3;
-/// Why a scene without friction has no efficiency.
+/// Reason why a scene without friction has no efficiency.
 pub const NO_LOSS: &str = "no loss modelled: nothing rubs in this scene";
-/// Why an engine without an energy account has none above 1.
+/// Reason why an engine without an energy account has no efficiency above 1.
 pub const ABOVE_ONE: &str =
     "above 1: what the contact law creates is in it, and this engine keeps no account of that";
 
-/// Power out over power in, W.
+/// Returns power out over power in, both in W.
 ///
 /// # Errors
-/// Why that is no efficiency, in words.
+/// Reason why the ratio is no efficiency.
 pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
     if !(power_in > 0.0) {
         return Err("no power goes in");
@@ -215,8 +214,8 @@ pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
     }
 }
 
-/// Mean power at the input shaft and at the load over `samples`, W, of a run whose driver turns at `speed_rad_s`; `None` if a
-/// channel is missing.
+/// Returns the mean power at input shaft and load over `samples`, W, for a driver speed of `speed_rad_s`; `None` if a channel
+/// is missing.
 #[must_use]
 pub fn mean_powers(
     time_series: &TimeSeries,
@@ -239,31 +238,31 @@ pub fn mean_powers(
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Ending {
-    /// Complete time series; the only state that is judged.
+    /// Complete time series; only these are judged.
     Finished,
-    /// The solution diverged; the time series until then are kept and shown, not judged.
+    /// Diverged solution; its time series up to then are shown, not judged.
     Diverged {
         /// Time of the divergence, s.
         time_s: f64,
         /// Quantity that diverged, and its value.
         quantity: String,
     },
-    /// The engine cannot honour the scene; it never approximates in silence.
+    /// Scene that the engine does not support; engines never approximate silently.
     Unsupported {
-        /// Part of the scene that the engine does not support, and the reason.
+        /// Unsupported part of the scene, and the reason.
         reason: String,
     },
-    /// A package, a compiler or a library that the engine needs is not on this machine. A recording may stand in.
+    /// Missing package, compiler or library on this machine. A recording may replace the run.
     Absent {
-        /// Name of the missing part, and how to get it.
+        /// Name of the missing part, and its installation.
         reason: String,
     },
-    /// The engine broke.
+    /// Failure of the engine.
     Failed {
         /// Message of the engine.
         reason: String,
     },
-    /// Run stopped because it took too long.
+    /// Run stopped by a time limit.
     TimedOut {
         /// Simulated time reached, s.
         time_s: f64,
@@ -273,7 +272,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// The engine cannot honour the scene, for the reason given.
+    /// Ending for a scene that the engine does not support.
     #[must_use]
     pub fn unsupported(reason: impl ToString) -> Self {
         Self::Unsupported {
@@ -281,7 +280,7 @@ impl Ending {
         }
     }
 
-    /// Ending of a run whose engine lacks something on this machine.
+    /// Ending for a missing part on this machine.
     #[must_use]
     pub fn absent(reason: impl ToString) -> Self {
         Self::Absent {
@@ -289,7 +288,7 @@ impl Ending {
         }
     }
 
-    /// The engine broke.
+    /// Ending for a failed engine.
     #[must_use]
     pub fn failed(reason: impl ToString) -> Self {
         Self::Failed {
@@ -303,13 +302,13 @@ impl Ending {
         *self == Self::Finished
     }
 
-    /// True where the engine was able to run and did not come through, or is broken itself.
+    /// True if the engine ran but failed or diverged.
     #[must_use]
     pub fn is_broken(&self) -> bool {
         matches!(self, Self::Diverged { .. } | Self::Failed { .. })
     }
 
-    /// True where another try, or another machine, may see another ending of the same run.
+    /// True if another attempt or machine may give another ending.
     #[must_use]
     pub fn may_pass(&self) -> bool {
         matches!(
@@ -318,7 +317,7 @@ impl Ending {
         )
     }
 
-    /// The words for tables, of all endings.
+    /// Words for tables, one for each ending.
     pub const WORDS: [&str; 6] = [
         "finished",
         "diverged",
@@ -328,7 +327,7 @@ impl Ending {
         "timed out",
     ];
 
-    /// One or two words for tables.
+    /// Returns one or two words for tables.
     #[must_use]
     pub fn word(&self) -> &'static str {
         Self::WORDS[match self {
@@ -341,7 +340,7 @@ impl Ending {
         }]
     }
 
-    /// Why the run is not judged; `None` when finished.
+    /// Returns the reason why the run is not judged; `None` when finished.
     #[must_use]
     pub fn reason(&self) -> Option<String> {
         match self {
@@ -354,7 +353,7 @@ impl Ending {
         }
     }
 
-    /// Returns the failure of a run, for tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
+    /// Describes the failure of a run in tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         match self {
@@ -369,7 +368,7 @@ impl Ending {
     /// Returns `Ok` if the run finished.
     ///
     /// # Errors
-    /// Returns the ending, unless the run is finished.
+    /// Ending of a run that did not finish.
     pub fn whole(&self) -> Result<(), Self> {
         if self.is_finished() {
             Ok(())
@@ -379,7 +378,7 @@ impl Ending {
     }
 }
 
-/// Text that follows the engine's name in a message.
+/// Continuation of the engine's name in a message.
 impl std::fmt::Display for Ending {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -1,32 +1,32 @@
-//! Means and extremes of what runs on between samples, and what sampling leaves them off by.
+//! Means and extremes of signals between samples, with their sampling errors.
 //!
-//! A solver that hands out the states at its own steps has them folded into one interval a sample ([`Between`]); of all other
-//! runs the samples themselves are taken. Either way a quantity is known in *points*, of which a mean is the integral of the
-//! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
-//! quartic through five, whichever is less, and never less than the point itself.
+//! A solver that provides the states at its own steps has them condensed into one interval per sample ([`Between`]); for all
+//! other runs the samples are used. Either way a quantity is given at *points*. A mean is the time integral of the cubic
+//! through the four nearest points. An extreme is the lower of two values, the vertex of the parabola through a point and its
+//! neighbours and the value of the quartic through five points there, and at least the point itself.
 //!
-//! The variation between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next
-//! to nothing where the course is smooth over them, and the scatter itself where each point stands for itself, as an
-//! oscillation does that they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, and an extreme by d and
-//! by what parabola and quartic are apart; 2.5 times that is stated. The cubic's own error at the ends of a window,
-//! below 1e-6 of an oscillation that is followed, is left out: no run is known as well.
+//! The variation between points is estimated by the sixth difference d of seven points, with weights whose squares sum to 1. It
+//! is negligible where the signal is smooth, and equals the scatter where points are independent, as in an under-sampled
+//! oscillation. The error of a mean is about `sqrt(sum (h d)^2)/T`, that of an extreme d plus the difference of parabola and
+//! quartic; 2.5 times these are stated. The cubic's error at the ends of a window, below 1e-6 of a resolved oscillation, is
+//! neglected: no run is that accurate.
 
 use std::ops::Range;
 
 use crate::norms::{Statistics, View};
 use crate::{TimeSeries, columns};
 
-/// Points that tell how smooth a course is.
+/// Number of points for the estimate of smoothness.
 pub const POINTS: usize = 7;
-/// Factor between the scatter of a mean and what is stated.
+/// Ratio of the stated error to the estimated scatter of a mean.
 pub const SAFETY: f64 = 2.5;
-/// Points that are settled at a time.
+/// Number of points processed at a time.
 const CHUNK: usize = 256;
-/// A point nearer to the one before than this share of the distance before that says nothing new.
+/// Distance to the previous point, as a share of the distance before it, below which a point is ignored.
 const NEAR: f64 = 0.1;
-/// Spacings that differ by less than this share are equal.
+/// Relative difference below which spacings are equal.
 const EQUAL: f64 = 1e-6;
-/// 1 over the root of 924, by which the squares of the weights for equal spacings add up to 1.
+/// Weights for equal spacings: binomials over the root of 924, so that their squares sum to 1.
 #[doc(hidden)]
 pub const EVEN: [f64; POINTS] = {
     let unit = 0.032_897_584_747_988_45;
@@ -41,7 +41,7 @@ pub const EVEN: [f64; POINTS] = {
     ]
 };
 
-/// A quantity at one time, all its channels together: sum, sum of the squares, smallest and largest.
+/// Quantity at one time over all its channels: sum, sum of squares, smallest and largest.
 pub type Point = [f64; 4];
 
 const SUM: usize = 0;
@@ -49,7 +49,7 @@ const SQUARES: usize = 1;
 const MIN: usize = 2;
 const MAX: usize = 3;
 
-/// The point of the values of all channels.
+/// Condenses the values of all channels into a point.
 pub fn point(values: impl Iterator<Item = f64>) -> Point {
     let nothing = [0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY];
     values.fold(nothing, |[sum, squares, min, max], value| {
@@ -62,13 +62,13 @@ pub fn point(values: impl Iterator<Item = f64>) -> Point {
     })
 }
 
-/// A quantity between two samples.
+/// Quantity between two samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Interval {
-    /// Integrals over time of the sum and of the squares, and the squares of what they may be off by.
+    /// Time integrals of the sum and of the squares; `off` has the squares of their errors.
     integrals: [f64; 2],
     off: [f64; 2],
-    /// Largest and smallest value, and how far beyond them it may reach.
+    /// Largest and smallest value, each with its possible excess.
     max: [f64; 2],
     min: [f64; 2],
 }
@@ -86,19 +86,19 @@ pub struct Between {
     names: Vec<&'static str>,
     /// Interval data, indexed by quantity and interval.
     intervals: Vec<Vec<Interval>>,
-    /// Times of the points that are not settled yet and of the earlier points that they need, s. `samples` marks the
-    /// points that are samples; `points` has the values by quantity.
+    /// Times, s, of the points not yet processed and of the earlier points that they need. `samples` marks the points that are
+    /// samples; `points` has the values by quantity.
     times: Vec<f64>,
     samples: Vec<bool>,
     points: Vec<Vec<Point>>,
-    /// Number of settled intervals between the stored points.
+    /// Number of processed intervals between the stored points.
     settled: usize,
-    /// Number of points that were no samples.
+    /// Number of points that are no samples.
     others: usize,
 }
 
 impl Between {
-    /// Empty record of these quantities, with room for so many samples.
+    /// Makes an empty record of these quantities, with capacity for `samples` samples.
     #[must_use]
     pub fn new(names: &[&'static str], samples: usize) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl Between {
         }
     }
 
-    /// The quantities at a time, s. Times do not fall; of two that are next to each other a sample is taken.
+    /// Adds the quantities at a time, s, which must not fall. Of two points close to each other a sample takes precedence.
     pub fn push(&mut self, time: f64, is_sample: bool, points: &[Point]) {
         if let [.., before, last] = self.times[..]
             && time - last < NEAR * (last - before)
@@ -144,7 +144,7 @@ impl Between {
         self.points.iter_mut().for_each(|all| all.truncate(count));
     }
 
-    /// Drops the points that no later one needs.
+    /// Drops the points that later ones do not need.
     fn forget(&mut self) {
         let first = self.settled.saturating_sub(3);
         self.times.drain(..first);
@@ -155,7 +155,7 @@ impl Between {
         self.settled -= first;
     }
 
-    /// Settles the intervals from point to point up to the point `end`.
+    /// Processes the intervals between points up to the point `end`.
     fn settle(&mut self, end: usize) {
         let count = self.times.len();
         if count < POINTS {
@@ -193,7 +193,7 @@ impl Between {
         self.settled = end;
     }
 
-    /// Returns the account of the run; `None` if there were no points between samples, or too few.
+    /// Returns the complete record; `None` with too few points, or without points between samples.
     #[must_use]
     pub fn finish(mut self) -> Option<Self> {
         let last = self.times.len().checked_sub(1)?;
@@ -206,10 +206,10 @@ impl Between {
     }
 }
 
-/// The points about one interval from point to point.
+/// Points around one interval between points.
 #[derive(Debug, Default)]
 struct Stencil {
-    /// The point before the interval, and the first of the seven and of the four.
+    /// Indices of the point before the interval, of the first of the seven points, and of the first of the four.
     at: usize,
     seven: usize,
     four: usize,
@@ -262,19 +262,19 @@ impl Stencil {
         }
     }
 
-    /// Tells the extremes about the point: where in units of h from it, whether a maximum, the value, and how far beyond it.
+    /// Reports the extremes near the point: offset in units of h, true for a maximum, value, and possible excess.
     #[inline]
     fn extremes(&self, times: &[f64], points: &[Point], mut tell: impl FnMut(f64, bool, f64, f64)) {
         let [before, here, after] = points_from(points, self.at - 1);
         let is_max = here[MAX] > before[MAX] && here[MAX] >= after[MAX];
-        // A contact that is open is open.
+        // An open contact, with force zero, has no minimum.
         let is_min = here[MIN] < before[MIN] && here[MIN] <= after[MIN] && here[MIN] != 0.0;
         if !(is_max || is_min) {
             return;
         }
         let seven: &[Point; POINTS] = points_from(points, self.seven);
         let off = weighted(seven, &self.differences);
-        // About the point, but at the ends.
+        // Five points centred on the point, except at the ends.
         let first = self.at.saturating_sub(2).min(points.len() - 5);
         let five: &[f64; 5] = points_from(times, first);
         let at = five.map(|t| (t - times[self.at]) / self.h);
@@ -293,14 +293,14 @@ impl Stencil {
     }
 }
 
-/// The first so many from `first` on, of which there are enough.
+/// Returns the first N elements from `first` on, which must exist.
 #[inline]
 fn points_from<T, const N: usize>(all: &[T], first: usize) -> &[T; N] {
     let found = all.get(first..).and_then(|rest| rest.first_chunk());
     found.unwrap_or_else(|| unreachable!("{first} of {}", all.len()))
 }
 
-/// Sum of the points by weights.
+/// Weighted sum of the points.
 #[inline]
 fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
     let mut sum = [0.0; 4];
@@ -312,7 +312,7 @@ fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
     sum
 }
 
-/// Weights of the sixth difference of values at these times, the squares of which add up to 1.
+/// Weights of the sixth difference at these times, with squares that sum to 1.
 #[must_use]
 pub fn sixth_difference(times: &[f64; POINTS]) -> [f64; POINTS] {
     let (from, h) = (times[3], times[4] - times[3]);
@@ -326,7 +326,7 @@ pub fn sixth_difference(times: &[f64; POINTS]) -> [f64; POINTS] {
     divided(&times.map(|t| (t - from) * inverse))
 }
 
-/// Weights of the highest divided difference at these times, the squares of which add up to 1.
+/// Weights of the highest divided difference at these times, with squares that sum to 1.
 #[doc(hidden)]
 pub fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
     let mut products = [1.0; POINTS];
@@ -342,11 +342,11 @@ pub fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
     weights.map(|w| w * size)
 }
 
-/// Weights of the integral from 0 to 1 of the cubic through the values at these times, of which number `zero` is 0 and the next 1.
+/// Weights of the integral from 0 to 1 of the cubic through values at these times; time `zero` is 0 and the next is 1.
 #[doc(hidden)]
 pub fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
     let one = zero + 1;
-    // The two others: one before and one after, but at the ends.
+    // Indices of the other two: one before and one after, except at the ends.
     let (a, b) = match zero {
         0 => (2, 3),
         1 => (0, 3),
@@ -357,19 +357,19 @@ pub fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
         |own: f64, other: f64| (2.0 * other - 1.0) / (12.0 * own * (own - 1.0) * (own - other));
     let mut weights = [0.0; 4];
     (weights[a], weights[b]) = (weight(at[a], at[b]), weight(at[b], at[a]));
-    // Exact for straight lines.
+    // Exactness for straight lines gives the other two weights.
     weights[one] = 0.5 - weights[a] * at[a] - weights[b] * at[b];
     weights[zero] = 1.0 - weights[one] - weights[a] - weights[b];
     weights
 }
 
-/// The maximum near number `k` of five points, which is no end and above its neighbours: where, how large at least, and how far
-/// parabola and quartic are apart there.
+/// Returns the maximum near the inner point `k` of five, which is above its neighbours: time, least value, and difference of
+/// parabola and quartic there.
 fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     let slope = |a: usize, b: usize| (values[b] - values[a]) / (at[b] - at[a]);
     let (before, after) = (k - 1, k + 1);
     let bend = (slope(k, after) - slope(before, k)) / (at[after] - at[before]);
-    // Newton's parabola through the three points, whose slope is 0 at its vertex.
+    // Newton's parabola through the three points, at its vertex.
     let place = 0.5 * (at[before] + at[k] - slope(before, k) / bend);
     if !place.is_finite() {
         return (0.0, values[k], 0.0);
@@ -389,18 +389,18 @@ fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     (place, least, (parabola - quartic).abs())
 }
 
-/// Figures of a quantity over a window, and the sampling error of each figure.
+/// Figures of a quantity over a window, with their sampling errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// The figures.
+    /// Values of the figures.
     pub statistics: Statistics,
-    /// Error of each figure by the signal between points.
+    /// Error of each figure from the signal between points.
     pub sampling: Statistics,
 }
 
 impl Figures {
-    /// Figures of all `channels` of the quantity `name` over the samples `window`; `None` if one is missing or not
-    /// finite, or without samples.
+    /// Evaluates the figures of all `channels` of the quantity `name` over the samples `window`; `None` without samples, or if
+    /// a channel is missing or not finite.
     #[must_use]
     pub fn of(
         time_series: &TimeSeries,
@@ -415,7 +415,7 @@ impl Figures {
             |intervals: &[Interval]| Self::within(samples, view.channels().len(), times, intervals);
         let known = time_series.between().and_then(|all| all.intervals_of(name));
         let known = known.and_then(|all| all.get(window.start..window.end - 1));
-        // One sample has nothing beside it.
+        // A single sample has no interval.
         if let Some(intervals) = known.filter(|intervals| !intervals.is_empty()) {
             return Some(within(intervals));
         }
@@ -429,7 +429,7 @@ impl Figures {
         if intervals.len() + 1 == times.len() && times.len() >= POINTS {
             return Some(within(intervals));
         }
-        // Too few to tell more than that.
+        // With too few points the range is the only bound.
         let range = samples.max - samples.min;
         let sampling = Statistics {
             mean: range,
@@ -468,7 +468,7 @@ impl Figures {
                 mean: off(|i| i.off[0]),
                 min: min - lowest,
                 max: highest - max,
-                // Also where the root is next to nothing.
+                // Valid for a vanishing root, too.
                 rms: (square + off_square).sqrt() - rms,
                 peak: highest.max(-lowest) - peak,
             },
@@ -483,7 +483,7 @@ impl Between {
     }
 }
 
-/// Quantities of a gearbox that [`Between`] records: every quantity that all engines have, except the output's angle.
+/// Quantities of a gearbox that [`Between`] records: those of all engines except the output's angle.
 pub const QUANTITIES: [&str; 4] = [
     columns::INPUT_TORQUE,
     columns::OUTPUT_TORQUE,

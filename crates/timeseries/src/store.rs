@@ -1,4 +1,4 @@
-//! The store itself: a time column and channels of the same length.
+//! Store of time series: a time column and channels of the same length.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -21,18 +21,18 @@ pub struct TimeSeries {
     time_s: Vec<f64>,
     channels: Vec<Channel>,
     index: HashMap<String, usize>,
-    /// Record of the quantities between samples, as the solver evaluated them. No file holds it.
+    /// Record of the quantities between samples, as the solver evaluated them; not stored in files.
     between: Option<Box<Between>>,
 }
 
 impl TimeSeries {
-    /// TimeSeries without channels over the times `time_s` (s, strictly increasing).
+    /// Makes time series without channels over the times `time_s` (s, strictly increasing).
     ///
     /// # Errors
     /// [`TimeSeriesError::Time`] names the first row that does not increase.
     pub fn new(time_s: Vec<f64>) -> Result<Self, TimeSeriesError> {
         for (row, pair) in time_s.windows(2).enumerate() {
-            // A NaN on either side is caught as well.
+            // A NaN on either side fails the comparison, too.
             if !(pair[0] < pair[1]) {
                 return Err(TimeSeriesError::Time {
                     row: row + 2,
@@ -49,10 +49,10 @@ impl TimeSeries {
         })
     }
 
-    /// Makes a time series of columns in any order, one of which is the time.
+    /// Makes time series from columns in any order, including the time.
     ///
     /// # Errors
-    /// There is no `time_s`, or it does not increase; as [`push`](Self::push).
+    /// No `time_s`, or it does not increase; errors of [`push`](Self::push).
     pub fn of_columns(
         columns: impl IntoIterator<Item = (String, Vec<f64>)>,
     ) -> Result<Self, TimeSeriesError> {
@@ -113,7 +113,7 @@ impl TimeSeries {
         self.time_s.is_empty()
     }
 
-    /// The time series of some samples only; rows that do not exist, or do not come after their predecessor, are left out.
+    /// Selects samples by row; rows that do not exist or do not increase are left out.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
@@ -154,7 +154,7 @@ impl TimeSeries {
         &self.channels
     }
 
-    /// The values of one channel.
+    /// Returns the values of one channel.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
         self.index
@@ -162,7 +162,7 @@ impl TimeSeries {
             .map(|&i| self.channels[i].values.as_slice())
     }
 
-    /// The numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
+    /// Returns the numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
     #[must_use]
     pub fn group(&self, prefix: &str) -> Vec<&[f64]> {
         (0..)
@@ -170,10 +170,10 @@ impl TimeSeries {
             .collect()
     }
 
-    /// Sample indices with `from_s <= t <= to_s`, widened by a rounding's breadth at both ends.
+    /// Returns the sample indices with `from_s <= t <= to_s`, widened by a rounding at both ends.
     #[must_use]
     pub fn window(&self, from_s: f64, to_s: f64) -> Range<usize> {
-        // An open end says nothing of how times are rounded.
+        // An open end does not indicate the rounding of times.
         let scale = if to_s.is_finite() { to_s } else { from_s };
         let slack = 1e-9 * scale.abs().max(1e-9);
         let start = self.time_s.partition_point(|&t| t < from_s - slack);

@@ -1,7 +1,6 @@
-//! Tables: one definition from which files, pages and terminals are made.
+//! Tables: one definition for files, pages and terminals.
 //!
-//! A column has a machine name, which files use, and a label, which people read. One without a name is left out of files,
-//! one without a label is not shown.
+//! A column has a name for files and a label for people. Files omit a column without a name, displays one without a label.
 //!
 //! ```
 //! use pinwheel_timeseries::table::{Mark, Shown, Table};
@@ -35,36 +34,36 @@ use crate::{TimeSeries, TimeSeriesError};
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// Sentence that says what the table shows.
+    /// Sentence that describes the table.
     pub caption: String,
-    /// Columns, left to right. For people the first names the row.
+    /// Columns, left to right; for people the first one names the row.
     pub columns: Vec<Column>,
 }
 
-/// A column of a [`Table`]. Lists beside the values are as long as these, or empty.
+/// Column of a [`Table`]. The lists beside the values have their length, or are empty.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
-    /// Name in files, with the unit at its end; empty: not in files.
+    /// Name in files, with the unit at its end; empty to omit the column.
     pub name: String,
-    /// Heading for people, without the unit; empty: not shown.
+    /// Heading for people, without the unit; empty to omit the column.
     pub label: String,
     /// Unit for people, e.g. `N m`; may be empty.
     pub unit: String,
-    /// The values, of which each may be missing.
+    /// Values; each may be missing.
     pub values: Values,
-    /// Uncertainty of each value, in the values' unit. No digit beyond it is shown.
+    /// Uncertainty of each value, in the values' unit, which limits the digits shown.
     pub uncertainty: Vec<Option<f64>>,
     /// Format of numbers.
     pub shown: Shown,
-    /// Text that people read in place of the value.
+    /// Text for people instead of the value.
     pub said: Vec<Option<String>>,
     /// Mark of each cell.
     pub marks: Vec<Mark>,
-    /// Shade of each cell's ground from 0 (none) to 1 (full).
+    /// Shade of each cell's background from 0 (none) to 1 (full).
     pub shades: Vec<Option<f64>>,
-    /// Anchors on the same page that say more of a cell.
+    /// Anchors on the page with details of a cell.
     pub links: Vec<Option<String>>,
-    /// Colour and dash of what a row is of, as charts draw it.
+    /// Colour and dash of each row's line in charts.
     pub colours: Vec<Option<usize>>,
 }
 
@@ -73,7 +72,7 @@ pub struct Column {
 pub enum Values {
     /// Numbers.
     Number(Vec<Option<f64>>),
-    /// Whole numbers.
+    /// Integers.
     Whole(Vec<Option<i64>>),
     /// Words.
     Text(Vec<Option<String>>),
@@ -85,22 +84,22 @@ impl Default for Values {
     }
 }
 
-/// Format of a number that has no uncertainty.
+/// Format of a number without uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
     /// Number of significant digits.
     Digits(u8),
     /// Number of decimals.
     Decimals(u8),
-    /// A share of one: per cent with two digits, small ones as a power of ten.
+    /// Share of one: per cent with two digits, small shares as a power of ten.
     Relative,
-    /// A share of one, in per cent with two decimals.
+    /// Share of one in per cent with two decimals.
     Percent,
-    /// A time in s, with a prefix.
+    /// Time in s, with a prefix.
     Seconds,
-    /// A length in m, with a prefix.
+    /// Length in m, with a prefix.
     Metres,
-    /// A setting with the digits it was written with.
+    /// Setting with its original digits.
     Setting,
 }
 
@@ -110,19 +109,19 @@ impl Default for Shown {
     }
 }
 
-/// Mark of a cell. Each mark has a sign beside its colour.
+/// Mark of a cell: a sign and a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mark {
-    /// Not marked.
+    /// No mark.
     #[default]
     None,
-    /// Holds.
+    /// Satisfied.
     Good,
-    /// Does not hold.
+    /// Violated.
     Bad,
-    /// Worth a look.
+    /// Warning.
     Warn,
-    /// Stands back.
+    /// Less prominent.
     Muted,
 }
 
@@ -146,8 +145,8 @@ impl Mark {
     }
 }
 
-/// A table in the making: each call of [`text`](Self::text), [`number`](Self::number) or [`whole`](Self::whole) adds a
-/// column, the others say more of the last one.
+/// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`whole`](Self::whole) add a column, all other calls
+/// change the last one.
 #[derive(Debug)]
 pub struct TableOf<R> {
     rows: Vec<R>,
@@ -155,7 +154,7 @@ pub struct TableOf<R> {
 }
 
 impl Table {
-    /// A table of a row for each of `rows`.
+    /// Begins a table with a row for each of `rows`.
     pub fn of<R>(caption: impl Into<String>, rows: impl IntoIterator<Item = R>) -> TableOf<R> {
         TableOf {
             rows: rows.into_iter().collect(),
@@ -178,13 +177,13 @@ impl Table {
         self.len() == 0
     }
 
-    /// The column that files call `name`.
+    /// Returns the column with the name `name`.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// The number in a row of the column `name`.
+    /// Returns the number in a row of the column `name`.
     #[must_use]
     pub fn number(&self, name: &str, row: usize) -> Option<f64> {
         self.column(name)?.values.number(row)
@@ -233,13 +232,12 @@ impl Table {
         self
     }
 
-    /// Columns that files hold.
+    /// Columns that are written to files.
     pub(crate) fn named(&self) -> impl Iterator<Item = &Column> {
         self.columns.iter().filter(|column| !column.name.is_empty())
     }
 
-    /// Writes CSV: a header row, `.` decimals, numbers so that they read back bit for bit, empty cells where there is no
-    /// value.
+    /// Writes CSV: a header row, `.` decimals, numbers that read back bit for bit, empty cells for missing values.
     ///
     /// # Errors
     /// Error of the writer.
@@ -267,7 +265,7 @@ impl Table {
 }
 
 impl Column {
-    /// Numbers for files; what is not finite is missing.
+    /// Makes a column of numbers for files; values that are not finite are missing.
     pub fn numbers(name: impl Into<String>, values: &[f64]) -> Self {
         let number = |value: &f64| Some(*value).filter(|value| value.is_finite());
         Self {
@@ -289,13 +287,13 @@ impl Values {
         }
     }
 
-    /// True without any.
+    /// True without values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The number of a row; none of words.
+    /// Returns the number in a row; `None` for words.
     #[must_use]
     pub fn number(&self, row: usize) -> Option<f64> {
         match self.cell(row) {
@@ -305,7 +303,7 @@ impl Values {
         }
     }
 
-    /// The words of a row; none of numbers.
+    /// Returns the words in a row; `None` for numbers.
     #[must_use]
     pub fn words(&self, row: usize) -> Option<&str> {
         match self.cell(row) {
@@ -314,7 +312,7 @@ impl Values {
         }
     }
 
-    /// The value of a row with every digit; empty where there is none.
+    /// Returns the value in a row with every digit; empty if missing.
     #[must_use]
     pub fn text(&self, row: usize) -> String {
         match self.cell(row) {
@@ -342,7 +340,7 @@ impl Values {
 }
 
 impl<R> TableOf<R> {
-    /// A column of words; empty ones are missing.
+    /// Adds a column of words; empty ones are missing.
     #[must_use]
     pub fn text<W: Into<String>>(self, name: &str, label: &str, of: impl Fn(&R) -> W) -> Self {
         let words = |row| Some(of(row).into()).filter(|words: &String| !words.is_empty());
@@ -350,7 +348,7 @@ impl<R> TableOf<R> {
         self.column(name, label, Values::Text(values))
     }
 
-    /// A column of numbers; what is not finite is missing.
+    /// Adds a column of numbers; values that are not finite are missing.
     #[must_use]
     pub fn number<V: Into<Option<f64>>>(
         self,
@@ -363,7 +361,7 @@ impl<R> TableOf<R> {
         self.column(name, label, Values::Number(values))
     }
 
-    /// A column of numbers of a design, for people alone: with the digits of a data sheet.
+    /// Adds a column of a design's numbers, for people only, with the digits of a data sheet.
     #[must_use]
     pub fn figure<V: Into<Option<f64>>>(
         self,
@@ -388,7 +386,7 @@ impl<R> TableOf<R> {
         self.column(name, label, Values::Whole(values))
     }
 
-    /// A column of values that are there.
+    /// Adds a column of existing values.
     #[must_use]
     pub fn column(mut self, name: &str, label: &str, values: Values) -> Self {
         self.table.columns.push(Column {
@@ -400,7 +398,7 @@ impl<R> TableOf<R> {
         self
     }
 
-    /// The last column's unit for people.
+    /// Sets the unit of the last column, for people.
     #[must_use]
     pub fn unit(self, unit: &str) -> Self {
         self.last(|_, column| unit.clone_into(&mut column.unit))
@@ -418,7 +416,7 @@ impl<R> TableOf<R> {
         self.last(|rows, column| column.uncertainty = rows.iter().map(of).collect())
     }
 
-    /// Sets the text that people read in place of a value of the last column; `None`: the value.
+    /// Sets the texts that replace values of the last column for people; `None` keeps the value.
     #[must_use]
     pub fn said<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
         self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())
@@ -442,7 +440,7 @@ impl<R> TableOf<R> {
         self.last(|rows, column| column.links = rows.iter().map(of).collect())
     }
 
-    /// Colour and dash that charts have for cells of the last column.
+    /// Sets the colour and dash in charts for cells of the last column.
     #[must_use]
     pub fn coloured(self, of: impl Fn(&R) -> Option<usize>) -> Self {
         self.last(|rows, column| column.colours = rows.iter().map(of).collect())
@@ -455,13 +453,13 @@ impl<R> TableOf<R> {
         self
     }
 
-    /// The columns that there are.
+    /// Returns the table with the columns added so far.
     #[must_use]
     pub fn so_far(&self) -> &Table {
         &self.table
     }
 
-    /// The table.
+    /// Returns the table.
     #[must_use]
     pub fn done(self) -> Table {
         self.table
@@ -487,7 +485,7 @@ impl From<&TimeSeries> for Table {
     }
 }
 
-/// A list of rows: of each the values by their columns' names, null where there is none.
+/// List of rows, each with its values by column name, null if missing.
 impl Serialize for Table {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq((0..self.len()).map(|row| Row { table: self, row }))

@@ -1,4 +1,4 @@
-//! Units: that which a column's name ends in, and others that foreign columns may be in, with their factors.
+//! Units of columns, which their names end in, and other units of foreign columns with their factors.
 
 use std::f64::consts::PI;
 
@@ -8,11 +8,11 @@ macro_rules! units {
     };
 }
 
-/// A suffix of our names, the unit for people, and units as people write them without blanks, each with its factor.
+/// Suffix of Pinwheel's names, unit for people, and units as people write them without blanks, each with its factor.
 type Row = (&'static str, &'static str, &'static [(&'static str, f64)]);
 
-/// Longer suffixes first: `_n_m` ends in `_m` too. 1 lbf = 4.4482216152605 N, 1 ft = 0.3048 m, 1 in = 0.0254 m, 1 kgf = 9.80665 N,
-/// 1 ozf = 1 lbf / 16, all exact.
+/// Units of columns; longer suffixes first, as `_n_m` ends in `_m`. 1 lbf = 4.4482216152605 N, 1 ft = 0.3048 m, 1 in = 0.0254
+/// m, 1 kgf = 9.80665 N, 1 ozf = 1 lbf / 16, all exact.
 const UNITS: &[Row] = units! {
     "_n_m_per_arcmin" "N m/arcmin": ;
     "_n_m15" "N/m^1.5": "N/m^1.5" 1.0, "N/mm^1.5" 31_622.776_601_683_792;
@@ -37,7 +37,7 @@ const UNITS: &[Row] = units! {
     "_s" "s": "s" 1.0, "sec" 1.0, "second" 1.0, "seconds" 1.0, "ms" 1e-3, "us" 1e-6, "\u{b5}s" 1e-6, "ns" 1e-9, "min" 60.0, "h" 3600.0;
 };
 
-/// Part of a name before the unit, and the unit for people; empty if unknown.
+/// Returns the part of a name before the unit, and the unit for people; empty if unknown.
 #[must_use]
 pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
     let stem = |suffix: &str| name.strip_suffix(suffix).filter(|stem| !stem.is_empty());
@@ -46,10 +46,10 @@ pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
     found.unwrap_or((name, ""))
 }
 
-/// The factor from `unit` to the unit of the column `name` (a number at its end does not count).
+/// Returns the factor from `unit` to the unit of the column `name` (without its final number).
 ///
 /// # Errors
-/// The units that would fit; none if the name ends in no known unit.
+/// Suitable units; none if the name ends in no known unit.
 pub fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
     let stem = crate::group_of(name).0;
     let stem = stem.strip_suffix("_*").unwrap_or(stem);
@@ -63,7 +63,7 @@ pub fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
         let ([one, other], true) = (parts.as_slice(), stem.ends_with("_n_m")) else {
             return None;
         };
-        // People write `in*lb` as well as `lb*in`.
+        // `in*lb` is as common as `lb*in`.
         let of = |force, arm| Some(factor("_n", force).ok()? * factor("_m", arm).ok()?);
         of(one, other).or_else(|| of(other, one))
     };
@@ -72,7 +72,7 @@ pub fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
         .ok_or_else(|| list.iter().map(|(name, _)| *name).collect())
 }
 
-/// One turn in the unit of the column `name`; `None` if that is no angle.
+/// Returns one turn in the unit of the column `name`; `None` unless it is an angle.
 pub fn turn(name: &str) -> Option<f64> {
     factor(name, "rad").ok()?;
     factor(name, "deg").ok().map(|degree| 360.0 * degree)

@@ -1,20 +1,20 @@
-//! Limits in one table, with what each applies to, what was measured, and why: a measured figure times a margin.
+//! Table of limits, each with its scope, the measured value, and the reason: a measured value times a margin.
 //!
-//! They hold on the presets they were measured on. Patterns: `*` stands for any characters, `|` separates alternatives. The
-//! first row that fits a pair, window, quantity and metric is the one that counts, so stricter conditions stand first.
+//! They are valid for the presets of the measurement. Patterns: `*` matches any characters, `|` separates alternatives. The
+//! first row that matches a pair, window, quantity and metric applies, so stricter conditions come first.
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::{Metric, WindowKind};
 use pinwheel_timeseries::columns;
 
-/// One row of the table.
+/// Row of the table.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limit {
     /// Pattern of the model that the pair shares (`SharedModel`).
     pub(crate) track: &'static str,
     /// One engine, a pattern.
     pub(crate) engine: &'static str,
-    /// The other engine, a pattern; pairs fit in either order. Unused by one-engine metrics.
+    /// The other engine, a pattern; pairs match in either order. Unused by one-engine metrics.
     pub(crate) against: &'static str,
     /// Frictionless scenes, those with friction, or all.
     pub(crate) friction: Friction,
@@ -28,9 +28,9 @@ pub(crate) struct Limit {
     pub(crate) quantity: &'static str,
     /// Metric.
     pub(crate) metric: Metric,
-    /// The limit itself.
+    /// Limit of the metric.
     pub(crate) limit: f64,
-    /// Measured value when the limit was set; `None` before that.
+    /// Measured value at the time of setting; `None` before that.
     pub(crate) measured: Option<f64>,
     /// Reason for the limit.
     pub(crate) reason: &'static str,
@@ -61,16 +61,15 @@ macro_rules! rows {
 /// Columns that every engine of a gearbox records.
 const CONTRACT: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|output_angle_rad";
 
-/// Columns of [`CONTRACT`], and the channels that follow the forces as closely (measured: nowhere twice as far apart).
-/// Not among them are what divides by a power that passes through zero (efficiency), small differences
-/// of large numbers (relative velocities, losses, the shafts' bearings between discs in phase), counts,
-/// and friction on single pairs.
+/// Columns of [`CONTRACT`], and channels that follow the forces as closely (measured: never twice as far apart). It
+/// excludes quotients by a power that passes through zero (efficiency), small differences of large numbers (relative
+/// velocities, losses, the shafts' bearings between discs in phase), counts, and friction on single pairs.
 const FOLLOWING: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|output_angle_rad|*_arcmin|\
      eccentric_bearing_*|*_pin_force_*|input_power_w|wheel_*_penetration_m|wheel_*_stiffness_n_m15|\
      wheel_*_contact_x_m|wheel_*_contact_y_m|wheel_*_normal_force_n";
 
-/// Table of limits. Columns: track, engine, its largest step, against, its largest step, friction,
-/// window, quantity, metric, limit, measured; then the reason.
+/// Table of limits. Columns: track, engine, its largest step, against, its largest step, friction, window, quantity,
+/// metric, limit, measured; then the reason.
 pub(crate) const TABLE: &[Limit] = rows! {
     // Native formulations against each other.
     "native", "native*lagrange*|native*reduced*", None, "native*lagrange*|native*reduced*", None, Without, Transient, FOLLOWING, RelativeL2, 1e-9, Some(1.5e-13),
@@ -78,7 +77,7 @@ pub(crate) const TABLE: &[Limit] = rows! {
     "native", "native*lagrange*|native*reduced*", None, "native*lagrange*|native*reduced*", None, Without, Steady, FOLLOWING, RelativeL2, 1e-7, Some(2e-12),
     "Rounding grows along the run; the frictionless gear is periodic, so it does not grow without bound.";
 
-    // The scene's own integrator against the resolved run: what its step costs.
+    // The scene's integrator against the resolved run: the error of its step.
     "native", "native-resolved", None, "native*lagrange*|native*reduced*", Some(1.001e-5), Without, Steady, FOLLOWING, RelativeL2, 1e-3, Some(2.4e-4),
     "Heun's own error at 1e-5 s, the paper's method and step, times 4: it grows with backlash.";
     "native", "native-resolved", None, "native*lagrange*|native*reduced*", Some(1.001e-5), Without, Transient, FOLLOWING, RelativeL2, 3e-2, Some(5.5e-3),

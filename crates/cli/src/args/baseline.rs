@@ -16,18 +16,18 @@ pub(crate) struct BaselineArgs {
     pub(crate) action: Action,
 }
 
-/// What to do with it.
+/// Action on a baseline.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Action {
-    /// Run the set and keep its results as a baseline.
+    /// Run the set and store its results as a baseline.
     Record(RecordBaselineArgs),
-    /// Run the set and say what moved: results, accuracy or cost.
+    /// Run the set and report changes of results, accuracy or cost.
     Check(CheckArgs),
-    /// List the baselines with the reasons for which they were accepted.
+    /// List the baselines with the reasons for their acceptance.
     List(ListArgs),
 }
 
-/// Which baseline.
+/// Selection of a baseline.
 #[derive(Debug, Args)]
 pub(crate) struct Which {
     /// Name of the baseline.
@@ -38,7 +38,7 @@ pub(crate) struct Which {
     pub(crate) dir: PathBuf,
 }
 
-/// How the set is run.
+/// Options for running the set.
 #[derive(Debug, Args)]
 pub(crate) struct Running {
     /// Scenes of the set, separated by commas [default: all].
@@ -57,7 +57,7 @@ pub(crate) struct Running {
 pub(crate) struct RecordBaselineArgs {
     #[command(flatten)]
     pub(crate) which: Which,
-    /// Why the results may change: one sentence, kept in the baseline.
+    /// Reason for the change of results: one sentence, stored in the baseline.
     #[arg(long, value_name = "REASON")]
     pub(crate) accept: Option<String>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! The command line of `pinwheel bench`.
+//! Arguments of `pinwheel bench`.
 
 use clap::Args;
 
@@ -17,13 +17,13 @@ pub(crate) struct BenchArgs {
     /// Integrators of the native solver, separated by commas [default: all].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
-    /// Relative L2 force error over the whole run at which the engines are ranked.
+    /// Relative L2 force error over the complete run at which the engines are ranked.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-4)]
     pub(crate) target: f64,
-    /// CPU seconds that one run of a peer may take; the native solver gets a tenth.
+    /// CPU seconds permitted to a run of a peer; the native solver gets a tenth.
     #[arg(long, value_name = "S", default_value_t = 20.0)]
     pub(crate) longest: f64,
-    /// Runs of one setting at most, of which minimum and median are shown; long ones get fewer.
+    /// Largest number of runs of one setting, of which minimum and median are shown; long ones get fewer.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) repeats: u16,
     #[command(flatten)]

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// `pinwheel init`.
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/init.txt").trim_ascii_end())]
-// clap does not wrap its own.
+// clap does not wrap its own usage line.
 #[command(override_usage = "pinwheel init <FILE> --ratio <RATIO>\n       \
     --pin-circle-diameter-mm <MM> --torque-n-m <NM>\n       --speed-rpm <RPM> [OPTIONS]")]
 pub(crate) struct InitArgs {
@@ -44,7 +44,7 @@ pub(crate) struct InitArgs {
     /// Eccentricity.
     #[arg(long, value_name = "MM", value_parser = millimetres)]
     eccentricity_mm: Option<f64>,
-    /// Cycloidal discs.
+    /// Number of cycloidal discs.
     #[arg(long, visible_alias = "discs", value_parser = clap::value_parser!(u16).range(1..=64))]
     wheels: Option<u16>,
     /// Number of output pins.
@@ -77,12 +77,12 @@ pub(crate) struct InitArgs {
     /// Leave out clearances, bearings, friction and bending.
     #[arg(long)]
     ideal: bool,
-    /// Replace the file if it is there.
+    /// Replace an existing file.
     #[arg(long)]
     pub(crate) force: bool,
 }
 
-/// A number, in this unit where it is typed with one.
+/// Reads a number, converted to this unit if typed with another one.
 fn number(typed: &str, unit: &str, words: &str) -> Result<f64, String> {
     let number = quantity::read(typed, unit).filter(|number| number.is_finite());
     match number {
@@ -108,7 +108,7 @@ fn turns_a_minute(typed: &str) -> Result<f64, String> {
     number(typed, "rpm", "turns a minute")
 }
 
-/// `39`, `39:1` or `118.5`.
+/// Reads a ratio: `39`, `39:1` or `118.5`.
 fn ratio(typed: &str) -> Result<f64, String> {
     let number = typed.trim().strip_suffix(":1").unwrap_or(typed).trim();
     let ratio = number.parse().ok();
@@ -116,7 +116,7 @@ fn ratio(typed: &str) -> Result<f64, String> {
     ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1; make each of two stages in one housing a scene".to_owned())
 }
 
-/// Parser of a material by its name; the help lists the names.
+/// Returns a parser of a material by its name; the help lists the names.
 fn materials() -> impl TypedValueParser<Value = Material> {
     let names = MATERIALS.iter().map(|material| material.name);
     PossibleValuesParser::new(names).try_map(|name| {
@@ -172,7 +172,7 @@ pub(crate) struct DesignArgs {
     /// Fit all that the scene leaves rigid to a stiffness that a catalogue or a measurement states.
     #[arg(long, value_name = "NM")]
     pub(crate) stated_stiffness_n_m_arcmin: Option<f64>,
-    /// Leave out what takes runs: hysteresis and efficiency.
+    /// Omit figures that need runs: hysteresis and efficiency.
     #[arg(long)]
     pub(crate) statics: bool,
     #[command(flatten)]

@@ -15,10 +15,10 @@ pub(crate) struct FmuArgs {
     /// File to write; an earlier one is replaced [default: out/SCENE.fmu].
     #[arg(long, short, value_name = "FILE.fmu")]
     pub(crate) out: Option<PathBuf>,
-    /// Author that the unit names [default: who makes Pinwheel].
+    /// Author named in the unit [default: Pinwheel's].
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
-    /// Write what was made as JSON, for programs.
+    /// Write a description of the unit as JSON, for programs.
     #[arg(long)]
     pub(crate) json: bool,
 }

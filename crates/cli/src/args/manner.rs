@@ -1,17 +1,17 @@
-//! Options that say how the program speaks.
+//! Options for the program's output.
 
 use anstream::ColorChoice;
 use clap::Args;
 
 use super::named::{Named, named};
 
-/// Options of every command that say how the program speaks.
+/// Output options of every command.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Manner {
-    /// No progress; of a study only where its results are.
+    /// No progress; of a study only the place of its results.
     #[arg(long, short, global = true, hide = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
-    /// Also the files written, and of a comparison every engine's figures.
+    /// Also list the written files, and every engine's figures in a comparison.
     #[arg(long, short, global = true, hide = true)]
     pub(crate) verbose: bool,
     /// Colours.
@@ -25,7 +25,7 @@ pub(crate) struct Manner {
     pub(crate) command: &'static str,
 }
 
-/// When colours are used.
+/// Use of colours.
 const COLOURS: &[Named<ColorChoice>] = &[
     ("auto", "Where a terminal shows them", ColorChoice::Auto),
     (

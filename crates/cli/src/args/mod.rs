@@ -1,4 +1,4 @@
-//! The command line: what can be typed. Nothing here calls a command.
+//! Definition of the command line; it calls no command.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -55,22 +55,22 @@ struct Program {
     manner: Manner,
 }
 
-/// What to do.
+/// Command to run.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run one engine: time series, peaks, their numerical error.
+    /// Run one engine: time series, peaks, numerical error.
     Run(RunArgs),
-    /// Compare several engines, or two designs: who agrees, and why.
+    /// Compare several engines, or two designs.
     Compare(CompareArgs),
-    /// Measure what accuracy costs: error against time of methods.
+    /// Measure the cost of accuracy: error against time of methods.
     Bench(BenchArgs),
-    /// Keep time series of Python engines, for builds without them.
+    /// Store time series of Python engines, for builds without them.
     Record(RecordArgs),
-    /// Say what a scene models, what it leaves out, what to expect.
+    /// Explain a scene: model, omissions, expected figures.
     Explain(ExplainArgs),
-    /// Make a scene of a catalogue's data; the rest is suggested.
+    /// Make a scene from catalogue data, with suggestions.
     Init(InitArgs),
-    /// Tell lost motion, stiffness, transmission error, forces.
+    /// Compute lost motion, stiffness, transmission error, forces.
     Design(DesignArgs),
     /// Move a gear's keys in the browser; motion and figures follow.
     Explore(ExploreArgs),
@@ -81,7 +81,7 @@ pub(crate) enum Command {
     /// List the engines of this build.
     #[command(after_help = include_str!("../../help/engines.txt"))]
     Engines(JsonArgs),
-    /// Study which method survives which hard scene, at which step.
+    /// Find the stable steps of each method on hard scenes.
     Stability(StabilityArgs),
     /// List the contact laws: source, domain, slow impacts.
     #[command(after_help = include_str!("../../help/laws.txt").trim_ascii_end())]
@@ -89,15 +89,15 @@ pub(crate) enum Command {
     /// Print the JSON schema of scenes, for editors.
     #[command(after_help = include_str!("../../help/schema.txt"))]
     Schema {
-        /// The schema of job files (scene.json), which solvers from outside read.
+        /// The schema of job files (scene.json) for external solvers.
         #[arg(long)]
         job: bool,
     },
-    /// Compute every figure and claim of the paper again.
+    /// Recompute every figure and claim of the paper.
     Paper(PaperArgs),
-    /// Write, check and serve a solver of your own.
+    /// Write, check and serve your own solver.
     Solver(SolverArgs),
-    /// Keep accepted results, and say what a change moved.
+    /// Store accepted results, and report changes.
     Baseline(BaselineArgs),
     /// Open the newest page, or that of a folder, in the browser.
     Open(OpenArgs),
@@ -109,7 +109,7 @@ pub(crate) enum Command {
     },
 }
 
-/// Which scene.
+/// Selected scene.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
     /// Scene file (TOML) or preset name.
@@ -119,7 +119,7 @@ pub(crate) struct SceneArgs {
     pub(crate) set: Vec<String>,
 }
 
-/// Where results go.
+/// Output folder and form of the results.
 #[derive(Debug, Args)]
 pub(crate) struct OutArgs {
     /// Output folder, replaced as a whole [default: one in out/].
@@ -144,7 +144,7 @@ pub(crate) struct RunArgs {
     pub(crate) engine: Option<String>,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
-    /// Do not repeat the run at twice its step to see whether the step resolves the scene (native engines).
+    /// Do not repeat the run at twice its step to check that the step resolves the scene (native engines).
     #[arg(long)]
     pub(crate) unchecked: bool,
     #[command(flatten)]
@@ -163,10 +163,10 @@ pub(crate) struct CompareArgs {
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
-    /// CPU seconds that the runs of one engine may take before it is refined no further.
+    /// CPU seconds permitted to all runs of one engine; no further refinement beyond.
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) longest: f64,
-    /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
+    /// Required resolution: the largest relative U of a resolved pair.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     pub(crate) resolution: f64,
     #[command(flatten)]
@@ -174,10 +174,10 @@ pub(crate) struct CompareArgs {
     /// Engines that run at a time [default: as many as there are cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Run every engine anew, also those whose runs are kept.
+    /// Run every engine anew, also those with stored runs.
     #[arg(long)]
     pub(crate) fresh: bool,
-    /// For the program itself: only keep the runs of an engine, whose name and divergence this is.
+    /// Internal: store the runs of an engine, given by name and divergence, and end.
     #[arg(long, hide = true)]
     pub(crate) ahead: Option<String>,
     /// Write the verdicts as a JUnit file, too, for CI systems.
@@ -189,13 +189,13 @@ pub(crate) struct CompareArgs {
     pub(crate) out: OutArgs,
 }
 
-/// Data from elsewhere.
+/// Foreign data.
 #[derive(Debug, Args)]
 pub(crate) struct ForeignArgs {
     /// A foreign CSV (Adams, RecurDyn, a test rig) to compare with; may be repeated. Needs --map.
     #[arg(long, value_name = "FILE", requires = "map")]
     pub(crate) against: Vec<PathBuf>,
-    /// What its columns are (TOML, see docs/foreign-data.md): one for each --against, or one for all.
+    /// Map of its columns (TOML, see docs/foreign-data.md): one for each --against, or one for all.
     #[arg(long, value_name = "MAP.toml", requires = "against")]
     pub(crate) map: Vec<PathBuf>,
 }
@@ -204,7 +204,7 @@ pub(crate) struct ForeignArgs {
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/record.txt").trim_ascii_end())]
 pub(crate) struct RecordArgs {
-    /// Presets or scene files [default: the scenes that recordings are kept of].
+    /// Presets or scene files [default: all recorded scenes].
     pub(crate) scenes: Vec<String>,
     /// Engines to record, separated by commas [default: all Python engines of this build].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
@@ -214,7 +214,7 @@ pub(crate) struct RecordArgs {
     pub(crate) out: PathBuf,
 }
 
-/// For people or for programs.
+/// Choice of text or JSON.
 #[derive(Debug, Args)]
 pub(crate) struct JsonArgs {
     /// Write JSON, for programs.
@@ -236,9 +236,9 @@ pub(crate) struct ExplainArgs {
 #[derive(Debug, Args)]
 #[command(after_help = include_str!("../../help/open.txt").trim_ascii_end())]
 pub(crate) struct OpenArgs {
-    /// Output folder or page [default: what was written last in out/].
+    /// Output folder or page [default: the newest output in out/].
     pub(crate) place: Option<PathBuf>,
-    /// Only say which page, and start no browser.
+    /// Only print the page's path, without a browser.
     #[arg(long)]
     pub(crate) print: bool,
 }
@@ -251,7 +251,7 @@ solver, a record, a limit, a baseline; without any, a pair of engines agrees),
 or failed, 4 nothing was shown of something, or it is inconclusive and a setting
 of yours would settle it, 130 interrupted.";
 
-/// The commands by what they are for.
+/// Commands by purpose.
 const GROUPS: [(&str, &str); 4] = [
     ("Design a gear", "init explain design explore fmu"),
     ("Run and compare", "run compare open"),
@@ -262,7 +262,7 @@ const GROUPS: [(&str, &str); 4] = [
     ),
 ];
 
-/// Returns the template of the program's own help: commands in groups, a line each.
+/// Returns the template of the program's own help: commands in groups, one a line.
 fn by_groups(program: &clap::Command) -> String {
     let mut text = "{about}\n\n{usage-heading} {usage}\n".to_owned();
     for (group, names) in GROUPS {
@@ -289,7 +289,7 @@ Every command: -q, --quiet (no progress); -v, --verbose (files written, figures
 of every engine); --color auto, always or never; -h, --help;
 `pinwheel --version`.";
 
-/// Puts examples before the options of a command, and what its text says besides behind them.
+/// Puts the examples of a command before its options, and the rest of its text behind them.
 fn examples_first(command: clap::Command) -> clap::Command {
     let text = command.get_after_help().map(ToString::to_string);
     let text = text.unwrap_or_default();
@@ -323,14 +323,14 @@ fn examples_first(command: clap::Command) -> clap::Command {
         .after_help(rest)
 }
 
-/// Definition of the command line.
+/// Returns the definition of the command line.
 pub(crate) fn definition() -> clap::Command {
     let program = examples_first(<Program as clap::CommandFactory>::command());
     let help = by_groups(&program);
     program.help_template(help)
 }
 
-/// The command to carry out; `None` when help or version was asked for and shown.
+/// Returns the command to run; `None` after showing help or version.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     let matches = definition().try_get_matches_from(words::all());
     let json = matches.as_ref().is_ok_and(wants_json);
@@ -367,7 +367,7 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     }
 }
 
-/// True if the typed command is asked for JSON.
+/// True if the typed command has `--json`.
 fn wants_json(matches: &clap::ArgMatches) -> bool {
     let own = matches.try_get_one::<bool>("json");
     let own = own.ok().flatten().copied().unwrap_or(false);
@@ -376,7 +376,7 @@ fn wants_json(matches: &clap::ArgMatches) -> bool {
         .is_some_and(|(_, matches)| wants_json(matches))
 }
 
-/// The program and the command that is typed, if it is one.
+/// Returns the program's name with the typed command, if that exists.
 fn asked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     let of = definition();
     let is_command = |word: &&str| of.find_subcommand(word).is_some();
@@ -385,7 +385,7 @@ fn asked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     asked.join(" ")
 }
 
-/// clap's message without its layout: what is wrong, its tip, and where help is: where the message says, or else of `asked`.
+/// Returns clap's message on one line: fault, tip, and the command with the help, from the message or else `asked`.
 fn on_one_line(message: &str, asked: &str) -> String {
     let mut what: Vec<&str> = Vec::new();
     let mut tips: Vec<&str> = Vec::new();
@@ -412,12 +412,12 @@ fn on_one_line(message: &str, asked: &str) -> String {
 }
 
 impl SceneArgs {
-    /// The checked scene, compiled: proof that it can be modelled.
+    /// Loads, checks and compiles the scene.
     pub(crate) fn load(&self) -> Result<Gearbox, Failure> {
         self.load_as(&self.scene)
     }
 
-    /// Another scene with the same overrides.
+    /// Loads another scene with the same overrides.
     pub(crate) fn load_as(&self, spec: &str) -> Result<Gearbox, Failure> {
         let overrides = overrides(&self.set)?;
         let scene = Scene::load(spec, &overrides)?;
@@ -425,33 +425,32 @@ impl SceneArgs {
     }
 }
 
-/// Returns the name that outputs of a scene or sweep have: a preset's own, or its file's, as two files may hold one name.
+/// Returns the output name of a scene or sweep: a preset's own, or its file's, because two files may contain one name.
 pub(crate) fn label(spec: &str) -> String {
     let stem = || Path::new(spec).file_stem().unwrap_or_default();
     file_name(&preset(spec).map_or_else(|| stem().to_string_lossy(), |_| spec.into()))
 }
 
 impl OutArgs {
-    /// The folder asked for, or `out/<name>`.
+    /// Returns the requested folder, or `out/<name>`.
     pub(crate) fn or(&self, name: impl AsRef<Path>) -> PathBuf {
         let out = self.out.clone();
         out.unwrap_or_else(|| Path::new("out").join(name))
     }
 }
 
-/// Cores this program may use.
+/// Returns the number of available cores.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// `KEY=VALUE` by `KEY=VALUE`.
+/// Parses overrides `KEY=VALUE`.
 pub(crate) fn overrides(set: &[String]) -> Result<Vec<Override>, Failure> {
     let parsed = set.iter().map(|text| text.parse());
     Ok(parsed.collect::<Result<_, _>>()?)
 }
 
-/// The command again, as one would type it for the same results: without where they go, how they are told and how many threads
-/// work.
+/// Returns the typed command for the same results, without options for output and threads.
 pub(crate) fn typed() -> String {
     without_places(words::typed().map(|word| word.to_string_lossy().into_owned()))
 }
@@ -475,7 +474,7 @@ fn without_places(words: impl IntoIterator<Item = String>) -> String {
     command
 }
 
-/// A word for a shell: in single quotes where it needs them.
+/// Returns a word for a shell, in single quotes if necessary.
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+".contains(c);
     if !word.is_empty() && word.chars().all(plain) {
@@ -509,7 +508,7 @@ mod tests {
         }
     }
 
-    /// One word for one thing, and each default once.
+    /// One flag for each meaning, and each default once.
     #[test]
     fn flags_are_the_same_everywhere() {
         fn look(command: &clap::Command) {
@@ -528,7 +527,7 @@ mod tests {
         look(&definition());
     }
 
-    /// How the program speaks is asked for alike everywhere, and JSON of every command that has results.
+    /// Output options work for every command, and JSON for every command with results.
     #[test]
     fn every_command_speaks_as_it_is_asked() {
         fn look(command: &clap::Command) {
@@ -546,7 +545,7 @@ mod tests {
                 let flag = of(long).unwrap_or_else(|| panic!("{name} has no --{long}"));
                 assert_eq!(flag.get_short(), short, "{name}");
             }
-            // A folder of results holds them for programs, too.
+            // A results folder also has a file for programs.
             assert!(
                 of("force").is_none() || of("json").is_some() || name == "init",
                 "{name}"

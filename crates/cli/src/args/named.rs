@@ -1,11 +1,11 @@
-//! Options whose values have names.
+//! Options with named values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-/// A value's name, what it is, and the value.
+/// Name, description and value.
 pub(crate) type Named<T> = (&'static str, &'static str, T);
 
-/// Takes one of `rows` by its name.
+/// Returns a parser of one of `rows` by its name.
 pub(crate) fn named<T: Copy + Send + Sync>(
     rows: &'static [Named<T>],
 ) -> impl TypedValueParser<Value = T> {

@@ -1,4 +1,4 @@
-//! The command line of `pinwheel paper`.
+//! Arguments of `pinwheel paper`.
 
 use clap::Args;
 use pinwheel::studies::paper::named;
@@ -12,8 +12,8 @@ pub(crate) struct PaperArgs {
     /// Figures to draw, separated by commas: 5 to 18, spectra, damping [default: all].
     #[arg(long, value_name = "5,6,..", value_delimiter = ',', value_parser = named)]
     pub(crate) figures: Vec<String>,
-    /// Engine that stands in Adams' place in Fig. 10 [default: the first that finds contacts itself
-    /// of exudyn, MuJoCo, rapier; live if this build has it, else recorded].
+    /// Engine that replaces Adams in Fig. 10 [default: the first with its own contact detection of exudyn, MuJoCo, rapier;
+    /// live if in this build, else recorded].
     #[arg(long, value_name = "NAME")]
     pub(crate) against: Option<String>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! Arguments of `pinwheel solver`, and `--solver` of others.
+//! Arguments of `pinwheel solver`, and `--solver` of other commands.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use super::named::named;
 use super::{OutArgs, SceneArgs};
 use crate::failure::Failure;
 
-/// Solvers of the user's that join the engines.
+/// Solvers of the user that join the engines.
 #[derive(Debug, Args)]
 pub(crate) struct Solvers {
     /// Manifest of your own solver, which is run; repeatable.
@@ -21,7 +21,7 @@ pub(crate) struct Solvers {
 }
 
 impl Solvers {
-    /// Lets them join; gives their names.
+    /// Registers the solvers and returns their names.
     pub(crate) fn join(&self) -> Result<Vec<String>, Failure> {
         let joined = self.files.iter().map(|file| external::admit(file));
         let names: Result<_, _> = joined.collect();
@@ -46,7 +46,7 @@ impl Solvers {
         }
     }
 
-    /// `names` with theirs, each once; none stays none, which stands for all.
+    /// Returns `names` and those of the solvers, each once; empty, for all engines, if `names` is empty.
     pub(crate) fn join_named(&self, names: &[String]) -> Result<Vec<String>, Failure> {
         let joined = self.join()?;
         let mut all = names.to_vec();
@@ -65,22 +65,22 @@ pub(crate) struct SolverArgs {
     pub(crate) action: SolverAction,
 }
 
-/// What to do.
+/// Action on a solver.
 #[derive(Debug, Subcommand)]
 pub(crate) enum SolverAction {
-    /// Write a small solver that works into a new folder.
+    /// Write a small working solver into a new folder.
     #[command(after_help = include_str!("../../help/solver-new.txt"))]
     New {
-        /// Its language.
+        /// Language of the solver.
         #[arg(long, value_parser = named(&LANGUAGES))]
         language: Language,
-        /// Its name, and the folder's: small letters, digits and `-`.
+        /// Name of the solver and its folder: small letters, digits and `-`.
         name: String,
     },
-    /// Try whether a solver does what comparisons rely on: signs, grid, order, refusals, ends.
+    /// Check the properties of a solver that comparisons need: signs, grid, order, refusals, endings.
     #[command(after_help = include_str!("../../help/solver-check.txt"))]
     Check {
-        /// Its manifest.
+        /// Manifest of the solver.
         file: PathBuf,
         /// Write the findings as a JUnit file, too, for CI systems.
         #[arg(long, value_name = "FILE")]
@@ -93,7 +93,7 @@ pub(crate) enum SolverAction {
     Job {
         #[command(flatten)]
         scene: SceneArgs,
-        /// A folder that does not exist yet.
+        /// New folder.
         folder: PathBuf,
     },
     /// Print the folder of libpinwheel_law, for the linker.

@@ -16,10 +16,10 @@ pub(crate) struct StabilityArgs {
     /// Shorter runs.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Scenes worked on at a time [default: as many as there are cores].
+    /// Scenes at a time [default: as many as there are cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Go on with the stopped study in the output folder.
+    /// Continue the stopped study in the output folder.
     #[arg(long)]
     pub(crate) resume: bool,
     #[command(flatten)]

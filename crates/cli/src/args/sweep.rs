@@ -21,10 +21,10 @@ pub(crate) struct SweepArgs {
     /// Runs at a time [default: one a core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
-    /// Go on with the runs an earlier attempt finished.
+    /// Continue after the finished runs of an earlier attempt.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// List the runs, and run none.
+    /// List the runs without running them.
     #[arg(long)]
     pub(crate) list: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `pinwheel baseline`: what the solver gave when it was last accepted, and what moved since.
+//! `pinwheel baseline`: accepted results of the solver, and changes since.
 
 use pinwheel::pages;
 use pinwheel::studies::baseline::{self, Baseline, FILE, Options, Verdict, made};
@@ -53,7 +53,7 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
         "{text}\nin {}; look at the diff before you commit it",
         folder.display()
     ))?;
-    // A scene that was named and is left out was not kept.
+    // A named scene that was omitted is not stored.
     let asked = !args.running.only.is_empty();
     Ok(if asked && !recorded.left_out.is_empty() {
         INCONCLUSIVE

@@ -1,4 +1,4 @@
-//! `pinwheel bench`: what accuracy costs in every engine, integrator and step.
+//! `pinwheel bench`: cost of accuracy for every engine, integrator and step.
 
 use pinwheel::pages;
 use pinwheel::studies::bench::{self, Options, Series};
@@ -35,7 +35,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<(), Failure> {
         ));
     }
     folder.show(&page, &text)?;
-    // An engine that was asked for by name gave no point at all.
+    // A named engine without any point.
     let failed = |series: &Series| Some((series.label(), pages::bench::failure(series)?));
     match measured.series.iter().find_map(failed) {
         Some((label, reason)) if !args.engines.is_empty() => Err(Failure::engine(format!(

@@ -52,7 +52,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    // Where Python has loaded us, this program is Python.
+    // If Python loaded this library, the program is Python.
     let ahead: comparison::Ahead<'_> = &elsewhere;
     let lanes = Lanes {
         jobs: args.jobs.map_or_else(args::cores, usize::from),
@@ -101,14 +101,14 @@ fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
     }
 }
 
-/// Keeps the runs of an engine for the process that compares, and tells it the time left, s, a line each.
+/// Stores the runs of an engine for the comparing process, and sends it the remaining time, s, a line each.
 fn keep(store: &Arc<Store>, ahead: &str, gearbox: &Gearbox, effort: Effort) -> Result<u8, Failure> {
     let (name, divergence) = ahead.split_once(' ').unwrap_or((ahead, ""));
     let divergence: Option<Divergence> = serde_json::from_str(divergence).unwrap_or_default();
     let engines = store.around(vec![choice::find(name, &gearbox.scene)?]);
     let tell = |at: Progress<'_>| {
         if let Some(left) = at.left_s {
-            // Nobody may listen.
+            // There may be no reader.
             let _ = writeln!(std::io::stdout().lock(), "{left}");
         }
     };
@@ -118,7 +118,7 @@ fn keep(store: &Arc<Store>, ahead: &str, gearbox: &Gearbox, effort: Effort) -> R
     Ok(0)
 }
 
-/// Runs [`keep`] in another process. Whatever becomes of it: what it has not kept is run by this one.
+/// Runs [`keep`] in another process. This process runs all that is not stored afterwards.
 fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>) {
     let divergence = serde_json::to_string(&divergence).unwrap_or_default();
     let Ok(program) = std::env::current_exe() else {
@@ -140,7 +140,8 @@ fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>)
     });
 }
 
-/// Names the settings of the model without which a native run is equal to the bit; those of solvers other engines may read.
+/// Reports model settings without effect: a native run without them is equal to the bit. Solver settings are excluded,
+/// because other engines may read them.
 fn name_idle(args: &SceneArgs, gearbox: &Gearbox) -> Result<(), Failure> {
     let is_model = |set: &String| !set.starts_with("solver.");
     if !args.set.iter().any(is_model) {
@@ -155,7 +156,7 @@ fn name_idle(args: &SceneArgs, gearbox: &Gearbox) -> Result<(), Failure> {
     })
 }
 
-/// Two designs by one engine.
+/// Compares two designs by one engine.
 fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failure> {
     let second = args.scene.load_as(other)?;
     let gearboxes = [first, &second];

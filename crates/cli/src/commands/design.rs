@@ -1,4 +1,4 @@
-//! `pinwheel init` and `pinwheel design`: from a catalogue to a scene, and from a scene to a designer's figures.
+//! `pinwheel init` and `pinwheel design`: a scene from catalogue data, and design figures of a scene.
 
 use std::path::Path;
 use std::time::Instant;
@@ -80,13 +80,13 @@ fn is_study(content: &[u8]) -> bool {
     lines.any(|line| line == b"[sample]")
 }
 
-/// Returns true for the text of a scene, right or wrong.
+/// True for the text of a scene, valid or not.
 fn is_scene(content: &[u8]) -> bool {
     let mut lines = content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
     lines.any(|line| line == b"[gear]" || line.starts_with(b"base = "))
 }
 
-/// Converts a fault of keys into one of the flags that give them; keys outside of backticks stay: they are in the scene's units.
+/// Converts a fault of keys to one of their flags; keys outside of backticks stay: they have the scene's units.
 fn by_flag(fault: &Fault) -> Failure {
     let flag = |name: &str| format!("--{}", name.replace('_', "-"));
     let text = ARGUMENTS

@@ -1,4 +1,4 @@
-//! `pinwheel explore`: a live page, served to this machine alone.
+//! `pinwheel explore`: a live page for this machine only.
 //!
 //! Other pages in the browser must not drive it: the address holds a token, known to its user alone, that any browser exchanges for
 //! a cookie and a key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
@@ -31,14 +31,14 @@ use crate::{interrupt, screen};
 
 /// Port of the page, unless another program uses it.
 const PORT: u16 = 7347;
-/// Header with the key that a page has from the answer to its token.
+/// Header with the key that the page received for its token.
 const KEY: &str = "X-Pinwheel-Key";
 /// Interval between two checks for an interrupt.
 const TICK: Duration = Duration::from_millis(200);
-/// Longest time that a run waits for its balances. After late balances some runs go without, because the delay can be felt at
-/// the sliders.
+/// Longest wait of a run for its balances. After late balances some runs omit them, because the delay is noticeable at the
+/// sliders.
 const PATIENCE: Duration = Duration::from_millis(32);
-/// Runs that go without balances: so many from now on, and so many after these are late once more.
+/// Runs without balances: number from now on, and number after the next late ones.
 #[derive(Clone, Copy)]
 struct Without {
     left: u32,
@@ -65,7 +65,7 @@ impl Without {
     }
 }
 
-/// Answer for balances that were not waited for.
+/// Answer for late balances.
 const LATE: Value = Value::Null;
 
 /// State of a comparison: its progress while it runs, then its page.
@@ -86,12 +86,12 @@ enum Entry {
         cookie: String,
         key: String,
     },
-    /// Any client that has this beginning of every path.
+    /// Any client whose paths begin with this secret.
     Frame(String),
 }
 
 impl Entry {
-    /// The path that is asked for, of who may ask; else what to answer.
+    /// Returns the requested path of an authorised client, or a refusal.
     fn admit<'q>(&self, question: &'q Question) -> Result<&'q str, Answer> {
         let path = question.path.as_str();
         let unknown = "open the address that the program printed";
@@ -108,7 +108,7 @@ impl Entry {
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));
                 }
-                // Other servers' cookies may hold any bytes.
+                // Cookies of other servers may have any bytes.
                 let mut cookies = question.headers("Cookie");
                 let known = cookies.any(|all| {
                     let mut each = all.split(|byte| *byte == b';');
@@ -129,15 +129,15 @@ impl Entry {
     }
 }
 
-/// Gear whose balances are wanted, the flag that stops the computation, and the receiver of the result.
+/// Gear for balances, the flag that stops them, and the receiver of the result.
 type Beside = (
     Arc<Gearbox>,
     Arc<AtomicBool>,
     mpsc::Sender<Result<Value, StudyError>>,
 );
 
-/// Finds balances one after the other in a thread that waits for them: a new one begins on the processor of who starts it, and
-/// takes turns there with the run for as long as that takes.
+/// Solves balances one after the other in a waiting thread. A new thread would start on its parent's processor and share it
+/// with the run.
 fn balances_beside() -> mpsc::Sender<Beside> {
     let (asks, asked) = mpsc::channel::<Beside>();
     std::thread::spawn(move || {
@@ -164,14 +164,14 @@ struct Explorer {
     sets: Vec<Override>,
     /// Overrides of the user and a start in balance, for the scene that the page shows.
     settled: Vec<Override>,
-    /// Span of the motion as the scene's page has it, s.
+    /// Time span of the motion on the scene's page, s.
     span_s: Mutex<f64>,
-    /// `127.0.0.1:PORT`.
+    /// Host and port, `127.0.0.1:PORT`.
     host: String,
     entry: Entry,
-    /// Page whose balances are computed, and the flag that stops them once the page asks for newer ones.
+    /// Page whose balances are computed, and the flag that stops them when it requests newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
-    /// Channel to the thread that computes the balances beside a run.
+    /// Channel to the thread for balances.
     beside: mpsc::Sender<Beside>,
     without: Mutex<Without>,
     compared: Mutex<Compared>,
@@ -220,7 +220,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let mut opened = None;
     if args.embed {
         std::thread::spawn(|| {
-            // Whoever shows the page holds the other end.
+            // The client with the page has the other end.
             let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
             interrupt::flag().store(true, Ordering::Relaxed);
         });
@@ -236,7 +236,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         std::thread::sleep(TICK);
     }
     drop(opened);
-    // It stops by itself, and leaves no draft.
+    // It stops by itself and leaves no draft.
     let work = locked(&explorer.compared).work.take();
     if let Some(work) = work {
         let _ = work.join();
@@ -244,7 +244,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Listens on the given port; otherwise on the usual one, so that the browser's store is the same again, or on any.
+/// Listens on the given port, or on the usual one, so that the browser's store persists, or on any.
 fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     let listener = match port {
         Some(port) => loopback::bind(port),
@@ -258,7 +258,7 @@ fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     })
 }
 
-/// Writes a file that leads to `address` and that nobody else may read; it goes when it is dropped.
+/// Writes a temporary file with a link to `address` that only the user may read.
 fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     let mut file = builder.prefix("pinwheel-").suffix(".html").tempfile()?;
@@ -271,7 +271,7 @@ fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     Ok(file)
 }
 
-/// Returns 128 random bits that nobody can guess.
+/// Returns 128 secret random bits.
 fn secret() -> Result<String, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
@@ -280,7 +280,7 @@ fn secret() -> Result<String, Failure> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Returns the cookie's name, with the port in it: cookies know no ports, and two of these programs must share none.
+/// Returns the cookie's name with the port: cookies ignore ports, and two of these programs must not share one.
 fn cookie_name(host: &str) -> String {
     format!("pinwheel-{}", host.rsplit(':').next().unwrap_or_default())
 }
@@ -297,7 +297,7 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
     Answer::new(status, "text/plain", why)
 }
 
-/// Answers a question that the page's script put right and that has no result.
+/// Answers a valid request without a result.
 fn reason(why: impl Into<Value>) -> Answer {
     told(&json!({ "reason": why.into() }))
 }
@@ -308,7 +308,7 @@ impl From<Failure> for Answer {
     }
 }
 
-/// Balances as the page's script reads them; null: they were given up.
+/// Returns balances for the page's script; null if they were stopped.
 fn balanced(found: Result<Value, StudyError>) -> Value {
     match found {
         Ok(found) => found,
@@ -322,7 +322,7 @@ fn refused(why: &str) -> Answer {
 }
 
 impl Explorer {
-    /// The answer to who may ask; or why not.
+    /// Returns the answer to an authorised client, or a refusal.
     fn admit(self: &Arc<Self>, question: &Question) -> Result<Answer, Answer> {
         if question.header("Host") != Some(self.host.as_str()) {
             return Err(refused("another host was asked for"));
@@ -371,8 +371,7 @@ impl Explorer {
         text.map(page).map_err(|why| plain(422, why))
     }
 
-    /// A run of a state, and its balances beside it where they take no longer than a hand would wait; given up once its page is
-    /// `gone`.
+    /// Runs a state, with its balances if they are ready in time; stops when its page is `gone`.
     fn run(&self, tab: &str, values: &states::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
         let begun = Instant::now();
         let stop = Arc::default();
@@ -388,7 +387,7 @@ impl Explorer {
                 .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
             hears
         });
-        // Not locked while it runs: others are answered meanwhile.
+        // Unlocked during the run, so that other requests are answered.
         let span_s = *locked(&self.span_s);
         let found = states::motion(&gearbox, span_s, gone);
         if found.is_err() {
@@ -407,7 +406,7 @@ impl Explorer {
         Ok(told(&run))
     }
 
-    /// Balances of the newest state that was asked for; `stop` gives them up.
+    /// Computes the balances of the newest requested state; `stop` ends them.
     fn balances(
         &self,
         tab: &str,
@@ -426,7 +425,7 @@ impl Explorer {
         Ok(told(&balanced(found)))
     }
 
-    /// Cancels the running balances of a page; `stop` cancels the balances that the page asks for now.
+    /// Cancels the running balances of a page; `stop` cancels the new ones.
     fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
         let own = (tab.to_owned(), Arc::clone(stop));
         let (before, running) = std::mem::replace(&mut *locked(&self.balancing), own);
@@ -455,20 +454,20 @@ impl Explorer {
             };
             match File::create_new(&name) {
                 Ok(file) => break (name, file),
-                // Another program may have taken the name this very moment.
+                // Another program may have just taken the name.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(plain(500, format!("{name}: {error}"))),
             }
         };
         file.write_all(text.as_bytes()).map_err(|error| {
-            // The incomplete file is our own.
+            // The incomplete file is this program's.
             let _ = std::fs::remove_file(&name);
             plain(500, format!("{name}: {error}"))
         })?;
         Ok(told(&json!({"file": name})))
     }
 
-    /// Starts a comparison of all engines, unless one is under way.
+    /// Starts a comparison of all engines, unless one is running.
     fn compare(self: &Arc<Self>, values: &states::Values) -> Result<Answer, Answer> {
         let scene = states::scene(&self.spec, &self.sets, values).map_err(reason)?;
         let mut compared = locked(&self.compared);
@@ -553,7 +552,7 @@ impl Explorer {
 mod tests {
     use super::*;
 
-    /// Late ones are left out for 1, 2, 4 ... runs, and after one that was in time for none.
+    /// After late balances 1, 2, 4 ... runs omit them, and after balances in time none.
     #[test]
     fn late_balances_are_asked_for_again() {
         let mut without = Without::NONE;

@@ -1,4 +1,4 @@
-//! Settings of a command line that do nothing, named on stderr once the results are out.
+//! Settings on the command line without effect, reported on stderr after the results.
 
 use pinwheel::gearbox::Gearbox;
 use pinwheel::studies::effect::Settings;
@@ -9,7 +9,8 @@ use crate::failure::{Failure, STOPPED};
 use crate::progress::watched;
 use crate::screen;
 
-/// Names the settings of `args`, whose scene is `gearbox`, without which `of` are equal to the bit by `find`.
+/// Reports the settings of `args` without effect: `find` returns those without which results `of` the scene are equal to
+/// the bit.
 pub(super) fn name(
     args: &SceneArgs,
     gearbox: &Gearbox,

@@ -1,4 +1,4 @@
-//! A file for each command, or for a few that are alike: arguments in, a study of the library, its files and its text out.
+//! Commands, one file for each or a few similar ones: arguments in, a study of the library, its files and its text out.
 
 pub(crate) mod baseline;
 pub(crate) mod bench;

@@ -1,4 +1,4 @@
-//! `pinwheel open`: a page in the browser.
+//! `pinwheel open`: opens a page in the browser.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(crate) fn open(args: &OpenArgs) -> Result<(), Failure> {
     if args.print {
         return Ok(());
     }
-    // Whatever the browser writes is none of ours.
+    // Output of the browser is irrelevant.
     open::that_detached(&page).map_err(|error| {
         Failure::engine(format!(
             "no browser could be started: {error}; open {} yourself, or copy it to where there is one",

@@ -1,4 +1,4 @@
-//! `pinwheel paper`: every figure and every claim of the paper, computed again, on one page.
+//! `pinwheel paper`: every figure and claim of the paper, recomputed, on one page.
 
 use pinwheel::pages;
 use pinwheel::studies::StudyError;

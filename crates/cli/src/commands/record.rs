@@ -1,4 +1,4 @@
-//! `pinwheel record`: time series of the Python engines, kept for builds and machines without them.
+//! `pinwheel record`: stored time series of the Python engines for builds and machines without them.
 
 use pinwheel::studies::output::file_name;
 use pinwheel::studies::recording::{self, Recorded};

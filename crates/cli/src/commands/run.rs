@@ -22,7 +22,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let found = watched(|control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
         match args.unchecked || found.diverged().is_some() {
-            // What broke off has no figure whose band could be of use.
+            // A run that broke off has no figures with a band.
             true => Ok(found),
             false => found
                 .with_bands(&gearbox, control)?

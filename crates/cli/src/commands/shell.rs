@@ -1,4 +1,4 @@
-//! `pinwheel completions`: what shells read, from the definition of the command line.
+//! `pinwheel completions`: scripts for shells from the definition of the command line.
 
 use crate::args;
 use crate::failure::Failure;

@@ -1,4 +1,4 @@
-//! `pinwheel solver`: write, check and serve a solver of the user's own.
+//! `pinwheel solver`: writes, checks and serves a user's solver.
 
 use std::path::Path;
 

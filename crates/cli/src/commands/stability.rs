@@ -1,4 +1,4 @@
-//! `pinwheel stability`: which method survives which hard scene, and at which step.
+//! `pinwheel stability`: stable steps of each method on hard scenes.
 
 use pinwheel::pages;
 use pinwheel::scene::Scene;

@@ -1,4 +1,4 @@
-//! `pinwheel sweep`: a study as data.
+//! `pinwheel sweep`: a study described by a file.
 
 use pinwheel::pages;
 use pinwheel::studies::folder::PAGE;
@@ -17,7 +17,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     }
     let file = args.file.display().to_string();
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
-    // Checked before anything long is run; what is written comes at the end.
+    // Checked before any long run; writing comes at the end.
     let out = prepare()?.place().to_owned();
     let begin = match (args.resume, args.out.force) {
         (true, _) => Begin::Resume,
@@ -46,7 +46,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);
     folder.write_page(&page)?;
     let place = folder.publish()?;
-    // Only now: had it failed, --resume would still find every run.
+    // Only now: after an earlier failure --resume still needs every run.
     journal.remove()?;
     screen::show_with_page(&text, &place.join(PAGE))?;
     let mut broken = sweep::broken(&plan, &records);

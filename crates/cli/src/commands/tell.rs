@@ -1,4 +1,4 @@
-//! `pinwheel explain`, `engines`, `laws` and `schema`: what is known without a run.
+//! `pinwheel explain`, `engines`, `laws` and `schema`: information without a run.
 
 use pinwheel::studies::{choice, explained};
 use pinwheel::{engines::external, pages, scene};
@@ -26,12 +26,12 @@ pub(crate) fn engines() -> Result<(), Failure> {
     screen::show_or_json(&listed, || pages::engines::text(&listed))
 }
 
-/// The contact laws a scene can name.
+/// Shows the available contact laws.
 pub(crate) fn laws() -> Result<(), Failure> {
     screen::show_or_json(&pages::laws::json(), pages::laws::text)
 }
 
-/// Shows the schema by which editors complete and check scenes, or solvers from outside their job files.
+/// Shows the schema of scenes for editors, or of job files for external solvers.
 pub(crate) fn schema(job: bool) -> Result<(), Failure> {
     screen::show_json(&match job {
         true => external::job_schema(),

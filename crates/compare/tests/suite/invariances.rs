@@ -1,4 +1,4 @@
-//! Facts that no metric may depend on: which engine is named first, the unit, the order of channels.
+//! Changes that must not affect a metric: order of engines, unit, order of channels.
 
 use super::common;
 
@@ -8,7 +8,7 @@ use pinwheel_compare::{Rules, SharedModel, compare};
 use pinwheel_timeseries::norms::{Statistics, View};
 use proptest::prelude::*;
 
-/// Two groups of `channels` channels with `samples` values each.
+/// Generates two groups of `channels` channels with `samples` values each.
 fn two_groups() -> impl Strategy<Value = (Vec<Vec<f64>>, Vec<Vec<f64>>)> {
     (1..5usize, 1..40usize).prop_flat_map(|(channels, samples)| {
         let channel = prop::collection::vec(-200.0..200.0f64, samples);
@@ -27,7 +27,7 @@ fn of(a: &[Vec<f64>], b: &[Vec<f64>]) -> PairMetrics {
     .unwrap()
 }
 
-/// Figures from which verdicts are made.
+/// Returns the figures from which verdicts are made.
 fn judged(metrics: &PairMetrics) -> [f64; 7] {
     [
         metrics.relative_l2,
@@ -73,7 +73,7 @@ proptest! {
     fn the_unit_changes_nothing((a, b) in two_groups(), factor in 1e-6..1e6f64, sign in prop::bool::ANY) {
         let factor = if sign { factor } else { -factor };
         let other = of(&scaled(&a, factor), &scaled(&b, factor));
-        // The mean of almost cancelling values is its rounding: compare it only when it is not.
+        // The mean of almost cancelling values is rounding: compared only where it is not.
         let (mut left, mut right) = (judged(&of(&a, &b)), judged(&other));
         (left[3], right[3]) = (0.0, 0.0);
         assert_close(left, right, 1e-11);
@@ -112,7 +112,7 @@ proptest! {
         let found = of(&a, &b).sprague_geers.unwrap();
         prop_assert!((found.magnitude - ((cc / mm).sqrt() - 1.0)).abs() < 1e-10 * (1.0 + found.magnitude));
         let phase = (mc / (mm * cc).sqrt()).clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
-        // acos itself is good to 1e-8 near its ends.
+        // acos is accurate to 1e-8 near its ends.
         prop_assert!((found.phase - phase).abs() < 1e-7, "{} {phase}", found.phase);
     }
 

@@ -1,4 +1,4 @@
-//! The tests of this crate as one program: linking is most of what a small test costs.
+//! Tests of this crate as one program, because linking dominates the cost of a small test.
 
 mod common;
 mod edges;

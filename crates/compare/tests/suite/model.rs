@@ -1,4 +1,4 @@
-//! Statements on models.
+//! Stated tolerances of models.
 
 use pinwheel_compare::internals::{account, predicted};
 use pinwheel_compare::limits::Friction;
@@ -8,7 +8,7 @@ use pinwheel_timeseries::TimeSeries;
 
 use super::common;
 
-/// A participant with an account of each of these parts: from, to, remainder as a share.
+/// Returns a participant with an account for each part: from, to, remainder as a share.
 fn participant(parts: &[(f64, f64, Option<f64>)]) -> Participant {
     let energy = parts.iter().map(|&(from_s, to_s, share)| Energy {
         from_s,
@@ -24,7 +24,7 @@ fn participant(parts: &[(f64, f64, Option<f64>)]) -> Participant {
     native
 }
 
-/// The second half of a run of 0.6 s.
+/// Second half of a run of 0.6 s.
 const WINDOW: Window = Window {
     kind: WindowKind::Steady,
     from_s: 0.3,
@@ -33,8 +33,7 @@ const WINDOW: Window = Window {
     load_changes: 0,
 };
 
-/// Chooses among several accounts the one that shares most of the window, and none that shares half of both or
-/// less.
+/// Chooses among several accounts the one that shares most of the window, and none that shares half of both or less.
 #[test]
 fn the_account_is_of_the_window() {
     let of = |parts: &[(f64, f64, Option<f64>)]| {
@@ -47,20 +46,20 @@ fn the_account_is_of_the_window() {
     ];
     assert_eq!(of(&best), Some((0.31, 0.6)));
     assert_eq!(of(&[best[1], best[0]]), Some((0.31, 0.6)));
-    // 0.3 s of it in an account of 0.58 s and of 0.62 s.
+    // 0.3 s in an account of 0.58 s, then of 0.62 s.
     assert_eq!(of(&[(0.02, 0.6, Some(0.1))]), Some((0.02, 0.6)));
     assert_eq!(of(&[(0.3, 0.92, Some(0.1))]), None);
-    // 0.16 s of 0.3 s, 0.14 s, and none.
+    // 0.16 s of 0.3 s, then 0.14 s, then no overlap.
     assert_eq!(of(&[(0.44, 0.6, Some(0.1))]), Some((0.44, 0.6)));
     assert_eq!(of(&[(0.46, 0.6, Some(0.1))]), None);
     assert_eq!(of(&[(0.0, 0.3, Some(0.1))]), None);
-    // What has no share is no account.
+    // An account without a share does not count.
     let unknown = [(0.3, 0.6, None), (0.3, 0.6, Some(f64::NAN))];
     assert_eq!(of(&unknown), None);
     assert_eq!(of(&[unknown[0], best[0]]), Some((0.28, 0.6)));
 }
 
-/// The driver of the one whose law creates more needs less.
+/// The engine whose law creates more energy needs less drive.
 #[test]
 fn predicted_is_what_the_second_creates_beyond_the_first() {
     let with = |share: f64| participant(&[(0.3, 0.6, Some(share))]);
@@ -74,7 +73,7 @@ fn predicted_is_what_the_second_creates_beyond_the_first() {
     assert_eq!(predicted(&none, &none, &WINDOW), None);
 }
 
-/// Each of the three conditions is one.
+/// Friction, window and quantity must all match.
 #[test]
 fn a_statement_is_about_its_friction_window_and_quantity() {
     let statement = ModelTolerance {

@@ -1,4 +1,4 @@
-//! The formulas of uncertainty on studies whose error is known.
+//! Formulas of uncertainty on studies with a known error.
 
 #![allow(clippy::print_stdout)] // the table of coverage
 
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 const SMOOTH: fn(f64) -> Method = |order| Method::Step { order, rough: None };
 
-/// Differences of `f(H)` at the refinements, and the true error of the finest.
+/// Returns the differences of `f(H)` at the refinements, and the true error of the finest.
 fn study(refinements: &[f64], f: impl Fn(f64) -> f64) -> (Vec<Step>, f64, Option<f64>) {
     let values: Vec<f64> = refinements.iter().map(|&h| f(h)).collect();
     let steps = refinements
@@ -42,7 +42,7 @@ fn published_order_of_three_grids() {
     };
     assert_eq!(observed_order(zero, zero), None);
 
-    // Differences that grow, too, at ratios that differ.
+    // Growing differences at unequal ratios.
     for p in [-3.0_f64, -0.7, 0.4, 2.0, 7.0] {
         let at = |h: f64| h.powf(p);
         let step = |fine: f64, coarse: f64| Step {
@@ -87,8 +87,9 @@ fn two_levels_take_the_stated_order_threefold() {
     assert!((found.u / steps[0].difference - 3.0).abs() < 1e-9);
 }
 
-/// Measured: Runge-Kutta 4 on the paper's gear, relative L2 of the external forces against a converged reference, at
-/// steps of 1e-5, 2e-5 and 4e-5 s. The coarse runs show order 4.1, the error of the finest falls with less: contacts open.
+/// Measured: Runge-Kutta 4 on the paper's gear, relative L2 of the external forces against a converged reference, at steps of
+/// 1e-5, 2e-5 and 4e-5 s. The coarse runs show order 4.1, but the error of the finest run falls more slowly, because contacts
+/// open.
 #[test]
 fn hard_kinks_limit_the_order_before_it_shows() {
     let steps = [3.41e-5, 5.99e-4].map(|difference| Step {
@@ -103,9 +104,9 @@ fn hard_kinks_limit_the_order_before_it_shows() {
     assert!(at(None).u < 0.5 * error, "what a smooth scene would allow");
     let found = at(Some(Rough::Kinks));
     assert_eq!((found.basis, found.order), (Basis::Unconfirmed, Some(2.5)));
-    // Whether the order of 4.1 is the method's or luck cannot be told: the coarser difference counts in full.
+    // The order of 4.1 may be the method's or luck: the coarser difference counts in full.
     assert!(found.u > error && found.u < 10.0 * error, "{found:?}");
-    // Friction allows less, and confirms nothing by orders near its own.
+    // Friction permits a lower order, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,
         rough: Some(Rough::Friction),
@@ -118,8 +119,8 @@ fn hard_kinks_limit_the_order_before_it_shows() {
     assert_eq!((found.basis, found.order), (Basis::Unconfirmed, Some(1.0)));
 }
 
-/// Steps that chatter on friction part as far as they err, whatever their ratio: distances of this size, as rapier has them on
-/// `one-wheel` with friction between 1e-6 and 1e-5 s, look like order 1, by which the finest would be off by half of what it is.
+/// Steps that chatter on friction differ as much as they err at any ratio. Such distances, as of rapier on `one-wheel` with
+/// friction between 1e-6 and 1e-5 s, look like order 1, which would halve the estimated error.
 #[test]
 fn regress_chatter_shows_no_order() {
     let rough = Method::Step {
@@ -131,14 +132,14 @@ fn regress_chatter_shows_no_order() {
     let found = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
     let error = 1.5e-2;
     assert!(found.u > error && found.u < 3.0 * error, "{found:?}");
-    // Where contacts alone set the order, ratios count.
+    // Where contacts alone limit the order, ratios count.
     let smooth = estimate(&steps, Some(1.0), SMOOTH(1.0), 0.0).unwrap();
     assert!(smooth.u < error, "{smooth:?}");
 }
 
 #[test]
 fn another_order_than_stated_costs_a_factor() {
-    // A fourth-order method that shows order 2, and one of order 1 that shows 2.
+    // A method of order 4 that shows order 2, and one of order 1 that shows 2.
     let (steps, error, sign) = study(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
     let slow = estimate(&steps, sign, SMOOTH(4.0), 0.0).unwrap();
     assert_eq!(slow.basis, Basis::Unconfirmed);
@@ -150,7 +151,7 @@ fn another_order_than_stated_costs_a_factor() {
 
 #[test]
 fn hard_accidental_super_convergence() {
-    // The two finest runs happen to be equal to 1e-6 of their error: what the coarsest says still counts.
+    // The two finest runs are equal to 1e-6 of their error by chance: the coarsest difference still counts.
     let steps = [1e-9, 3e-3].map(|difference| Step {
         ratio: 2.0,
         difference,
@@ -169,7 +170,7 @@ fn hard_what_does_not_converge_is_inconclusive() {
         });
         estimate(&steps, Some(1.0), method, 1e-12)
     };
-    // A bounce that the finest run alone resolves: the differences grow towards the fine end.
+    // A bounce resolved by the finest run alone: the differences grow with refinement.
     let missed = at(1e-2, 1e-5, SMOOTH(2.0)).unwrap_err();
     assert!(missed.reason.contains("does not converge"), "{missed:?}");
     assert!(missed.remedy.contains("smaller step"), "{missed:?}");
@@ -199,7 +200,7 @@ fn rounding_is_resolved() {
         assert!(found.basis.is_confirmed());
         assert_eq!(found.refinement_for(1e-15), None, "no step would do");
     }
-    // What all runs at several tolerances may miss alike is no rounding: nothing confirms it.
+    // An error common to all runs at several tolerances is no rounding: nothing confirms it.
     let steps = [Step {
         ratio: 10.0,
         difference: 1e-13,
@@ -207,7 +208,7 @@ fn rounding_is_resolved() {
     let found = estimate(&steps, None, Method::Tolerance { order: 0.5 }, 1e-12).unwrap();
     assert_eq!((found.basis, found.u), (Basis::Tolerance, 1e-12));
     assert!(!found.basis.is_confirmed());
-    // Rounding at the fine end, truncation at the coarse: order 4 takes 1e-9 to 4e-12, or rounding if that is more.
+    // Rounding dominates the finest runs, truncation the coarse ones: order 4 predicts 4e-12 from 1e-9, or rounding if larger.
     let found = at(&[1e-13, 1e-9]).unwrap();
     assert!(
         (found.u - 3.0 * 1e-9 / (256.0 - 16.0)).abs() < 1e-15,
@@ -227,7 +228,7 @@ fn opposite_differences_confirm_nothing() {
 
 #[test]
 fn tolerances_have_no_order_of_steps() {
-    // Error of c times the tolerance, the factor wandering from run to run as step control makes it.
+    // Error of c times the tolerance; c varies from run to run, as with step control.
     let mut random = Random::new(5);
     let (mut honest, mut ratios) = (0, Vec::new());
     for _ in 0..2000 {
@@ -277,7 +278,7 @@ fn regress_tolerances_that_scatter_are_bounded_by_their_spread() {
     );
 }
 
-/// Share of true errors below u; u must not be blunt either: median of u over error below 5.
+/// Returns the share of true errors below u, and asserts that u is not blunt: median of u over error below 5.
 fn coverage(honest: usize, mut ratios: Vec<f64>) -> f64 {
     ratios.sort_by(f64::total_cmp);
     let coverage = honest as f64 / ratios.len() as f64;
@@ -309,7 +310,7 @@ fn crossval_uncertainty_covers_the_true_error() {
                 let noise: Vec<f64> = (0..4).map(|_| random.between(-0.1, 0.1)).collect();
                 let next = random.between(-0.1, 0.1);
                 let f = |h: f64| {
-                    // The limit H = 0 has no noise to take.
+                    // The limit H = 0 has no noise.
                     let noise = levels
                         .iter()
                         .position(|&x| x == h)
@@ -317,13 +318,13 @@ fn crossval_uncertainty_covers_the_true_error() {
                     1.0 + 1e-6 * h.powf(order) * (1.0 + noise + next * h / 27.0)
                 };
                 let (steps, error, sign) = study(levels, f);
-                // What is not resolved claims nothing.
+                // An unresolved study makes no claim.
                 if let Ok(found) = estimate(&steps, sign, SMOOTH(stated), 1e-15) {
                     honest += usize::from(found.u >= error);
                     ratios.push(found.u / error);
                 }
             }
-            // Two levels cannot see that the order is not the stated one: that is what the third is for.
+            // Two levels cannot reveal an order other than the stated one; a third can.
             if levels.len() > 2 || order >= stated {
                 print!("{levels:?} order {order} of {stated}: ");
                 assert!(ratios.len() > 1800, "resolved {}", ratios.len());
@@ -335,18 +336,18 @@ fn crossval_uncertainty_covers_the_true_error() {
             }
         }
     }
-    // Half an order below the stated one, at the edge of what counts as confirmed, a tenth of noise costs most.
+    // The lowest coverage is half an order below the stated one, at the edge of confirmation, with 10 % noise.
     assert!(all.iter().all(|c| *c > 0.92), "{all:?}");
     assert!(all.iter().sum::<f64>() / all.len() as f64 > 0.98, "{all:?}");
 }
 
 proptest! {
-    /// Whatever order a study without noise has, the estimate covers it, and scaling scales it.
+    /// The estimate covers a study of any order without noise, and scales with it.
     #[test]
     fn bounds_hold_and_scale(order in 0.6..6.0f64, stated in 1.0..6.0f64, c in -9.0..0.0f64, r in 1.3..5.0f64) {
         let refinements = [1.0, r, r * r];
         let amplitude = 10f64.powf(c);
-        // As numbers, not as differences of values near 1: no rounding.
+        // Differences computed directly, not from values near 1: no rounding.
         let steps: Vec<Step> = refinements
             .windows(2)
             .map(|h| Step { ratio: r, difference: amplitude * (h[1].powf(order) - h[0].powf(order)) })
@@ -360,8 +361,8 @@ proptest! {
     }
 }
 
-/// Runge-Kutta 4 on a gear of points, output angle: three runs that are all off by 8e-5 lay within 4e-6 of each other, along one
-/// line. It was a false alarm.
+/// A false alarm: Runge-Kutta 4 on a gear of points, output angle. Three runs, all off by 8e-5, lay within 4e-6 of each other
+/// along one line.
 #[test]
 fn regress_points_show_no_order() {
     let steps = [4.2e-6, 3.2e-5].map(|difference| Step {
@@ -377,7 +378,7 @@ fn regress_points_show_no_order() {
     assert!(8.1e-5 > 2.0 * of(Rough::Jumps) && 8.1e-5 > 2.0 * of(Rough::Friction));
 }
 
-/// It happened: two runs over points by a tolerance, or runs nearer than rounding, had an infinite uncertainty.
+/// Two runs over points by a tolerance, or runs nearer than rounding, once had an infinite uncertainty.
 #[test]
 fn regress_scatter_is_a_bound_of_two_runs() {
     let of = |difference, floor| {
@@ -392,8 +393,8 @@ fn regress_scatter_is_a_bound_of_two_runs() {
     assert!((of(1e-9, 1e-8) - 1e-8).abs() < 1e-20);
 }
 
-/// Where in a step a contact opens is luck: one difference may be small for no reason, and the order shown is any. Measured:
-/// Runge-Kutta 4 on `steel`, first 3.3 ms, at steps of 1.6, 3.1 and 6.2 us, external forces.
+/// The position in a step at which a contact opens is random: a difference may be small by chance, and any order may appear.
+/// Measured: Runge-Kutta 4 on `steel`, first 3.3 ms, at steps of 1.6, 3.1 and 6.2 us, external forces.
 #[test]
 fn hard_kinks_show_any_order() {
     let of = |fine: f64, coarse: f64| {
@@ -409,10 +410,11 @@ fn hard_kinks_show_any_order() {
     };
     let error = 1.1e-4;
     assert!(of(3.0e-4, 1.3e-2).u > error);
-    // Runge-Kutta 4 on `backlash-0.6` with rollers at 157 rad/s * 1.37, first 5 ms, driver's torque: an order of 3.87 over
-    // kinks is luck. It was a false alarm, at 3.1 times what was stated.
+    // A false alarm: Runge-Kutta 4 on `backlash-0.6` with rollers at 157 rad/s * 1.37, first 5 ms, driver's torque. An order of
+    // 3.87 over kinks is luck; the error was 3.1 times the stated one.
     assert!(4.1e-7 < 2.0 * of(1.94e-7, 2.83e-6).u);
-    // The larger of what either difference says, at the kinks' order; the coarser one's in full where the finer is luck.
+    // Larger of the estimates from both differences at the kinks' order; the coarser one counts in full where the finer is
+    // luck.
     let kinks = |ratio: f64| ratio.powf(2.5);
     for (fine, coarse, factor) in [
         (3.0e-4, 1.3e-2, 3.0),
@@ -431,8 +433,8 @@ fn hard_kinks_show_any_order() {
     }
 }
 
-/// Measured: two forms by dopri5 at 5e-7 on a gear with play, 1e-5 apart in the driver's torque at the start. The run at ten times the
-/// tolerance was near the finest by luck, as the order of 1.6 shows.
+/// Measured: two formulations by dopri5 at 5e-7 on a gear with play, 1e-5 apart in the driver's torque at the start. The run at
+/// ten times the tolerance was near the finest by luck, as its order of 1.6 shows.
 #[test]
 fn hard_tolerances_may_be_lucky() {
     let of = |coarse: f64| {
@@ -448,7 +450,7 @@ fn hard_tolerances_may_be_lucky() {
     assert!(of(7.1e-6 * 10_f64.powf(1.2)) < error, "as before");
 }
 
-/// A damping that sets in over less than a step makes the force jump, and where in a step that falls is luck.
+/// A damping that ramps up within one step makes the force jump, at a random position in the step.
 #[test]
 fn regress_ramps_within_a_step_are_jumps() {
     let of = |order, rough, [fine, coarse]: [(f64, f64); 2], cosine| {
@@ -460,7 +462,7 @@ fn regress_ramps_within_a_step_are_jumps() {
         estimate(&steps, Some(cosine), method, 0.0).unwrap()
     };
     // Measured: Runge-Kutta 4 (three) and leapfrog on random gears whose damping ramps are 1.5 to 120 nm wide, external and
-    // internal forces: ratios and differences, their cosine, the error of the finest.
+    // internal forces: ratios and differences, their cosine, error of the finest run.
     for (order, steps, cosine, error) in [
         (4.0, [(2.0, 1.70e-4), (2.0, 5.99e-4)], 0.18, 1.18e-4),
         (4.0, [(8.0, 2.53e-2), (2.0, 9.47e-2)], -0.59, 2.42e-3),
@@ -480,7 +482,7 @@ fn regress_ramps_within_a_step_are_jumps() {
             "what contacts alone allow: {of_kinks:?}"
         );
     }
-    // Runs that show the method's own order, and whose differences point the same way, saw no jump.
+    // Runs that show the method's own order, with differences in one direction, met no jump.
     let leapfrog = |coarse, cosine| {
         let steps = [(2.0, 1.0), (2.0, coarse)];
         of(2.0, Rough::Jumps, steps, cosine).basis
@@ -492,7 +494,7 @@ fn regress_ramps_within_a_step_are_jumps() {
     let steps = [(2.0, 1.0), (2.0, 16.0)];
     let [jumps, kinks] = [Rough::Jumps, Rough::Kinks].map(|rough| of(4.0, rough, steps, 0.96));
     assert_eq!((jumps.u, jumps.order), (kinks.u, kinks.order));
-    // A large step hides one: leapfrog on a gear whose discs meet once, all steps wrong along one line.
+    // A large step hides a jump: leapfrog on a gear whose discs meet once, all steps wrong along one line.
     let steps = [(8.0, 2.6e-3), (2.0, 8.1e-3)];
     assert!(of(2.0, Rough::Jumps, steps, 0.99).u > 4.8e-4);
     assert!(of(2.0, Rough::Kinks, steps, 0.99).u < 1e-4);

@@ -1,4 +1,4 @@
-//! Status 0 needs evidence for each thing that the user brought.
+//! Status 0 needs evidence for each item that the user brought.
 
 use super::common::{context, participant, time_series};
 use pinwheel_compare::shown::{Kind, Shown};
@@ -8,7 +8,7 @@ use pinwheel_compare::{
 };
 use pinwheel_timeseries::TimeSeries;
 
-/// Evidence of engines whose coarser runs differ by this share.
+/// Returns evidence of engines whose coarser runs differ by this share.
 fn known(names: &[&str], share: f64) -> Vec<Evidence> {
     let evidence = names.iter().map(|name| Evidence {
         source: pinwheel_compare::uncertainty::Source::Exact(share),
@@ -34,7 +34,7 @@ fn mine(scale: f64) -> Participant {
     participant("mine", SharedModel::SharedLaw, time_series(scale))
 }
 
-/// Two native runs agree in everything, so that only what is shown of the solver decides.
+/// Two native runs agree in every quantity, so the solver's evidence alone decides.
 #[test]
 fn a_solver_needs_a_quantity_of_its_own() {
     let natives = ["a", "b"];
@@ -92,7 +92,7 @@ fn a_solver_needs_a_quantity_of_its_own() {
     }
 }
 
-/// Without anything brought a pair of engines has to agree in every headline quantity.
+/// Without an item brought, a pair of engines must agree in every headline quantity.
 #[test]
 fn engines_alone_need_a_pair_that_agrees() {
     let pair = [native("a"), native("b")];
@@ -127,7 +127,7 @@ fn engines_alone_need_a_pair_that_agrees() {
     }
 }
 
-/// A record of few samples is not judged, so its limit shows nothing; a limit that is judged counts.
+/// A record of few samples is not judged, so its limit has no evidence; a judged limit counts.
 #[test]
 fn a_limit_has_to_be_judged() {
     let limit = StatedLimit {

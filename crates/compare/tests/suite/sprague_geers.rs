@@ -1,10 +1,10 @@
-//! The metric of Sprague and Geers.
+//! Metric of Sprague and Geers.
 
 use pinwheel_compare::sprague_geers::{SpragueGeers, sprague_geers};
 use pinwheel_timeseries::norms::View;
 
 fn wave(shift: f64, scale: f64) -> Vec<f64> {
-    // Whole periods, so that the sums of the closed forms below are exact.
+    // Complete periods, so that the closed forms below are exact.
     let step = std::f64::consts::TAU / 100.0;
     (0..1000)
         .map(|k| scale * (f64::from(k) * step - shift).sin())
@@ -24,7 +24,7 @@ fn scaled_by_a_fifth() {
 
 #[test]
 fn shifted_wave_has_its_shift_as_phase() {
-    // sin(x) against sin(x - s) over whole periods: I_mc = cos(s)/2, so P = s/pi.
+    // sin(x) against sin(x - s) over complete periods: I_mc = cos(s)/2, so P = s/pi.
     for shift in [1e-9, 1e-4, 0.3, 2.0] {
         let errors = of(&wave(shift, 1.0), &wave(0.0, 1.0));
         let wanted = shift / std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Whole comparisons with known outcomes.
+//! Comparisons with known outcomes.
 
 use super::common;
 
@@ -9,7 +9,7 @@ use pinwheel_compare::{
 };
 use pinwheel_timeseries::TimeSeries;
 
-/// A limit stated for the forces of the measured participant.
+/// Returns a limit for the forces of the measured participant.
 fn limit(limit: f64) -> StatedLimit {
     StatedLimit {
         engine: "rig".to_owned(),
@@ -41,7 +41,7 @@ fn held(participants: &[Participant], stated: &[StatedLimit]) -> Comparison {
     compare(&context(), participants, &rules).unwrap()
 }
 
-/// The verdict on the external forces of the first pair in the steady window.
+/// Returns the verdict on the external forces of the first pair in the steady window.
 fn verdict(participants: &[Participant], stated: &[StatedLimit]) -> Verdict {
     let comparison = held(participants, stated);
     let entry = comparison.pairs[0]
@@ -107,7 +107,7 @@ fn load_balance() {
     let result = &comparison.engines[0].judged[0].result;
     assert_eq!(result.verdict, Verdict::Agree);
     assert!(comparison.pairs.is_empty() && comparison.matrices.is_empty());
-    // One engine alone shows nothing of its forces.
+    // One engine alone gives no evidence for its forces.
     assert_eq!((comparison.passed, comparison.exit_status()), (false, 4));
     let mut heavier = context();
     heavier.load_n_m = Some(22.01);
@@ -137,7 +137,7 @@ fn efficiency() {
         let comparison = compare(context, &[native()], &Rules::default()).unwrap();
         comparison.engines[0].figures[0].clone()
     };
-    // More leaves than enters, and this engine keeps no account: there is no figure above 1.
+    // Output power exceeds input power, and this engine has no account: no efficiency above 1 appears.
     let above = of(&rubs);
     assert!(above.efficiency.is_none() && above.efficiency_reason.unwrap().contains("above 1"));
     rubs.input_speed_rad_s = rubs.input_speed_rad_s.map(|speed| 1.05 * speed);
@@ -323,7 +323,7 @@ fn a_recording_is_compared_at_its_own_samples() {
             );
         }
     }
-    // A sample that the other has not is refused as ever.
+    // A sample that the other run lacks is refused.
     let shifted: Vec<f64> = recording
         .time_series
         .time_s()
@@ -350,8 +350,8 @@ fn summary_is_plain_json() {
     );
 }
 
-/// A shaft that swings has a mean torque of its own in every window, and is in balance with it: to rounding and quadrature, of
-/// a recording with few samples too. What is not of the shaft is told, and what samples do not resolve is not judged.
+/// The mean torque of an oscillating shaft is in balance with its inertia in every window, to rounding and quadrature, for a
+/// recording with few samples too. An additional torque is detected; an under-sampled oscillation is not judged.
 #[test]
 fn published_a_swinging_shaft_is_in_balance() {
     let inertia = 0.4;
@@ -391,8 +391,8 @@ fn published_a_swinging_shaft_is_in_balance() {
     }
 }
 
-/// Contacts that close anywhere between samples are no imbalance, whether their forces set in with a slope or with a jump, and where all
-/// samples and every other one happen to miss them alike. An imbalance beyond what they leave open is told.
+/// Contacts that close between samples are no imbalance, with a kink or a jump of their forces, even if all samples and every
+/// other one miss them alike. A larger imbalance is detected.
 #[test]
 fn regress_kinks_between_samples_are_no_imbalance() {
     let inertia = 0.4;
@@ -429,7 +429,7 @@ fn regress_kinks_between_samples_are_no_imbalance() {
     for order in [0, 1] {
         let (mut all, mut told) = (0.0, 0.0);
         for k in 0..500 {
-            // Even, and in no step with the samples.
+            // Evenly distributed, and not commensurate with the samples.
             let drawn = |by: f64| (f64::from(k) * by.sqrt()).fract();
             let kink = |by: f64| (0.02 + 0.56 * drawn(by), 0.2 * (drawn(by + 1.0) - 0.5));
             let kinks = [kink(2.0), kink(5.0), kink(10.0)];
@@ -443,7 +443,7 @@ fn regress_kinks_between_samples_are_no_imbalance() {
     }
 }
 
-/// Torques of the wrong sign do not balance the load, whatever their size.
+/// Torques of the wrong sign do not balance the load at any size.
 #[test]
 fn regress_the_load_balance_has_a_sign() {
     let base = time_series(1.0);
@@ -463,7 +463,7 @@ fn regress_the_load_balance_has_a_sign() {
     assert!((comparison.engines[0].judged[0].result.difference.unwrap() - 2.0).abs() < 1e-12);
 }
 
-/// A grid may differ by a rounding, a millionth of its spacing, and by no more.
+/// Sample times may differ by a rounding, a millionth of their spacing, and by no more.
 #[test]
 fn regress_the_slack_of_the_grid() {
     let moved = |by: f64| {
@@ -478,7 +478,7 @@ fn regress_the_slack_of_the_grid() {
     };
     assert!(moved(0.5e-6) && moved(-0.5e-6));
     assert!(!moved(2e-6) && !moved(-2e-6));
-    // The first time of a run that begins late: the slack is a share of the spacing, not of the time.
+    // First time of a run that begins late: the tolerance is a share of the spacing, not of the time.
     let late = |by: f64| {
         let times: Vec<f64> = time_series(1.0)
             .time_s()
@@ -492,7 +492,7 @@ fn regress_the_slack_of_the_grid() {
         compare(&context(), &[a, b], &Rules::default()).is_ok()
     };
     assert!(late(0.5e-6) && !late(2e-6));
-    // The same of a recording with every other sample.
+    // Recording with every other sample.
     let sparse = |row: usize, by: f64| {
         let times: Vec<f64> = time_series(1.0)
             .time_s()
@@ -511,7 +511,7 @@ fn regress_the_slack_of_the_grid() {
     }
 }
 
-/// Loads are rounding below 1e-11 of the scene's own, and judged above.
+/// Loads are rounding below 1e-11 of the scene's scale, and judged above.
 #[test]
 fn regress_small_loads_are_judged() {
     let at = |size: f64| {
@@ -526,7 +526,7 @@ fn regress_small_loads_are_judged() {
     assert_eq!(at(1.2e-11), Verdict::Differ);
 }
 
-/// A gear that stands still turns by roundings, which nobody compares; what turns by more is judged.
+/// A gear that stands still turns by roundings, which are not compared; larger rotations are judged.
 #[test]
 fn regress_a_gear_that_stands_still_is_not_compared() {
     let turned = |by: f64| {

@@ -44,7 +44,7 @@ fn a_run_from_equilibrium_is_steady_at_once() {
     );
 }
 
-/// No steady window holds a change of the load or what it leaves behind.
+/// A steady window contains neither a load change nor its transient.
 #[test]
 fn a_change_of_the_load_moves_the_steady_window() {
     let steady = |changes: &[f64]| {
@@ -68,7 +68,7 @@ fn a_change_of_the_load_moves_the_steady_window() {
         "load or speed still changes at 0.4 s and the transient of that takes 0.25 s, so a steady \
          window needs a run of 0.7 s"
     );
-    // From equilibrium too: the change has a transient of its own.
+    // A start in equilibrium, too: the load change has its own transient.
     let (present, _) = windows(&times(500), 0.0, &[0.01, 0.02]);
     assert_eq!(
         present
@@ -83,7 +83,7 @@ fn a_change_of_the_load_moves_the_steady_window() {
     );
 }
 
-/// A window that just fits is there, also in a run that begins late.
+/// A window that just fits exists, also in a run that begins late.
 #[test]
 fn what_just_fits_is_a_window() {
     let late = |count: u32| {
@@ -94,7 +94,7 @@ fn what_just_fits_is_a_window() {
         let place = |w: Window| (w.kind, rounded(w.from_s), rounded(w.to_s));
         found.into_iter().map(place).collect()
     };
-    // Twice what it takes to settle, and a sample less.
+    // Twice the decay time, then one sample less.
     let (present, absent) = windows(&late(5000), SETTLING_S, &[]);
     let expected = [
         (WindowKind::Steady, 1.25, 1.5),
@@ -109,12 +109,12 @@ fn what_just_fits_is_a_window() {
     ];
     assert_eq!(places(present), expected);
     assert_eq!(absent[0].kind, WindowKind::Steady);
-    // Room for what the last change leaves behind and a fifth of that, and a sample less.
+    // Room for the transient of the last change and a fifth of it, then one sample less.
     let (present, _) = windows(&late(6000), SETTLING_S, &[1.3]);
     assert_eq!(places(present)[0], (WindowKind::Steady, 1.55, 1.6));
     let (present, _) = windows(&late(6000), SETTLING_S, &[1.3001]);
     assert_eq!(present[0].kind, WindowKind::Transient);
-    // A change at either end of a window is none in it.
+    // A load change at either end of a window does not count.
     let (present, _) = windows(&late(6000), SETTLING_S, &[1.0, 1.02, 1.05]);
     assert_eq!(present[1].load_changes, 1);
     // A gear that settles sooner has a shorter transient.

@@ -1,7 +1,7 @@
-//! Adams' IMPACT: `F_n = max(0, k delta^1.5 + STEP(delta, 0, 0, d_max, c_max) v)`.
+//! Adams' IMPACT law: `F_n = max(0, k delta^1.5 + STEP(delta, 0, 0, d_max, c_max) v)`.
 //!
-//! Adams writes it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The
-//! exponent e is 1.5 here; the damping reaches c_max at the depth d.
+//! Adams states it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The exponent e is
+//! 1.5 here; the damping reaches c_max at the depth d.
 
 use super::{LawInfo, LawParameters, NormalLaw, Shape, step};
 use crate::Real;
@@ -50,7 +50,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     summary: "the IMPACT function of MSC Adams: constant stiffness, damping stepped in with depth",
     formula: "max(0, k delta^1.5 + STEP(delta, 0, 0, d_max, c_max) v)",
     source: "MSC Adams documentation, function IMPACT and STEP; the paper's Adams model uses it",
-    domain: "penetrations far below the radii; loads are shared as if all curvatures were alike",
+    domain: "penetrations far below the radii; loads are shared as if all curvatures were equal",
     slow_impact: "regular: does not depend on the impact speed, and the damping starts without a kink",
     keys: &[
         "contact.constant_stiffness_n_m15",
@@ -60,6 +60,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     restitution_factor: None,
     conservative: true,
     shape: Shape::Fitted,
-    materials: "that of the stiffness given",
+    materials: "that of the given stiffness",
     stiffness: None,
 };

@@ -5,10 +5,10 @@
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Shape, paper};
 use crate::Real;
 
-/// Eq. 20 with constant K.
+/// Law of Eq. 20 with constant K.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantStiffness {
-    /// K, N/m^1.5.
+    /// Stiffness K, N/m^1.5.
     pub stiffness: f64,
     /// Damping and ramp of the law.
     pub paper: PaperLaw,
@@ -44,8 +44,8 @@ pub(super) const INFO: LawInfo = LawInfo {
     name: "constant",
     summary: "the paper's law with one stiffness for all contacts",
     formula: "max(0, S(delta) (K delta^1.5 + C v)), K constant",
-    source: "the paper, Eq. 20, with K as engineering software lets it be given",
-    domain: "penetrations far below the radii; loads are shared as if all curvatures were alike",
+    source: "the paper, Eq. 20, with K as in engineering software, given by the user",
+    domain: "penetrations far below the radii; loads are shared as if all curvatures were equal",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &[
         "contact.constant_stiffness_n_m15",
@@ -55,6 +55,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     restitution_factor: None,
     conservative: true,
     shape: Shape::Fitted,
-    materials: "that of the stiffness given",
+    materials: "that of the given stiffness",
     stiffness: None,
 };

@@ -1,4 +1,4 @@
-//! The family of hysteresis laws: `F_n = max(0, K delta^1.5 (1 + chi v/v0))`.
+//! Hysteresis laws: `F_n = max(0, K delta^1.5 (1 + chi v/v0))`.
 //!
 //! v0 is the speed at which the bodies met; chi follows from the restitution c and differs between the laws. The true v0
 //! differs from contact to contact and is history, which a field of forces does not have. Here v0 is **one reference speed of

@@ -1,7 +1,7 @@
 //! Line contact after Kunert: `F_n = max(0, K_L delta^(1/0.925) + S(delta) C v)`; see [`super::line_contact`].
 //!
-//! delta = 4.05e-5 F^0.925/L^0.85 with delta and L in mm and F in N, for steel rollers whose ends fall off so that they press
-//! evenly along their length. So `K_L = H (1000/4.05e-5)^(1/0.925) L^(0.85/0.925)`, whatever the radii.
+//! delta = 4.05e-5 F^0.925/L^0.85 with delta and L in mm and F in N, for steel rollers with relieved ends, which press evenly
+//! along their length. So `K_L = H (1000/4.05e-5)^(1/0.925) L^(0.85/0.925)`, for all radii.
 
 use super::{LawInfo, LawParameters, LineContact, line_contact};
 

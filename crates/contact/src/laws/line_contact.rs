@@ -1,12 +1,12 @@
 //! Line contact after Palmgren: `F_n = max(0, K_L delta^(10/9) + S(delta) C v)`.
 //!
-//! Pins and discs are cylinders. Palmgren measured steel rollers: delta = 3.84e-5 F^0.9/L^0.8 with delta and L in
-//! mm and F in N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), whatever the radii; H as for the other laws.
+//! Pins and discs are cylinders. Palmgren measured steel rollers: delta = 3.84e-5 F^0.9/L^0.8 with delta and L in mm and F in
+//! N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), for all radii; H as for the other laws.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
-/// Power of the depth that was fitted to rollers, with the paper's damping.
+/// Power law of the depth fitted to rollers, with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineContact {
     stiffness: f64,
@@ -70,7 +70,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     summary: "cylinders on a line after Palmgren, exponent 10/9, with the paper's damping",
     formula: "max(0, K_L delta^(10/9) + S(delta) C v), K_L = H (1000/3.84e-5)^(10/9) L_mm^(8/9)",
     source: "A. Palmgren, Ball and Roller Bearing Engineering, 3rd ed., 1959: delta = 3.84e-5 F^0.9/L^0.8 (mm, N)",
-    domain: "steel cylinders of like length; the radii do not enter",
+    domain: "steel cylinders of equal length; the radii do not enter",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &[
         "contact.line_length_m",

@@ -20,10 +20,10 @@ use pinwheel_faults::{Fault, factor};
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};
 
-/// Smallest L: usual contacts have 4 and more. Deeper ones are a linear spring, so that their force stays finite.
+/// Smallest L; usual contacts have 4 or more. Deeper contacts are a linear spring, so that their force stays finite.
 const LEAST_LEVEL: f64 = 2.5;
 
-/// Law of the module.
+/// Line-contact law of this module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineHertz {
     /// Compliance beta, m/N.
@@ -35,7 +35,7 @@ pub struct LineHertz {
 }
 
 impl LineHertz {
-    /// Returns w at a penetration: the first terms of its series, then the significant terms of Newton's series about them.
+    /// Returns w at a penetration: the first terms of its series, then Newton's series about them.
     #[inline(always)]
     fn w<R: Real>(&self, stiffness: R, penetration: R) -> R {
         let c = |x: f64| penetration.like(x);
@@ -119,7 +119,7 @@ impl NormalLaw for LineHertz {
 }
 
 impl LineHertz {
-    /// Creates the law of bodies whose g are `of_pin` and `of_disc`.
+    /// Creates the law of bodies with the constants g `of_pin` and `of_disc`.
     pub(super) fn sized(of_pin: f64, of_disc: f64, parameters: &LawParameters) -> Self {
         let LawParameters { pin, disc, .. } = parameters;
         let stiffer = parameters.stiffness_multiplier * factor(Fault::Stiffness, 1.01);
@@ -127,7 +127,7 @@ impl LineHertz {
         let (b_pin, b_disc) = (pin.compliance() / line, disc.compliance() / line);
         let compliance = b_pin + b_disc; // beta
         let sizes = (b_pin * of_pin + b_disc * of_disc) / compliance;
-        // K = k sqrt(R): ln(4 R) = ln(4 K^2/k^2), and what is left of L is of K and delta.
+        // K = k sqrt(R), so ln(4 R) = ln(4 K^2/k^2), and the remaining terms of L depend on K and delta.
         let hertz = HertzStiffness::new(*pin, *disc, parameters.stiffness_multiplier).coefficient();
         Self {
             compliance,

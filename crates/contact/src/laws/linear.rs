@@ -1,11 +1,11 @@
 //! Linear springs, one stiffness for each stage: `F_n = max(0, k delta + S(delta) C v_n)`.
 //!
-//! Law that represents a contact law in rigid-body engines. Curvature does not enter: k replaces K.
+//! It represents contact in rigid-body engines. Curvature does not enter: k replaces K.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};
 
-/// Law of the module.
+/// Linear springs with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearSprings {
     damping: f64,
@@ -47,7 +47,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     summary: "linear springs, one stiffness for external and one for internal contacts",
     formula: "max(0, k delta + S(delta) C v)",
     source: "Hooke's law, as rigid-body engines have it in place of a contact law",
-    domain: "loads are shared as if all contacts of a stage were alike; without play no force depends on k",
+    domain: "loads are shared as if all contacts of a stage were equal; without play no force depends on k",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &[
         "contact.external_spring_n_m",
@@ -58,6 +58,6 @@ pub(super) const INFO: LawInfo = LawInfo {
     restitution_factor: None,
     conservative: true,
     shape: Shape::Fitted,
-    materials: "that of the stiffness given",
+    materials: "that of the given stiffness",
     stiffness: Some(stages),
 };

@@ -1,4 +1,4 @@
-//! Line contact after Lundberg: two half spaces under a pressure that is even along the line; see [`super::line_hertz`].
+//! Line contact after Lundberg: two half spaces under a pressure that is uniform along the line; see [`super::line_hertz`].
 //!
 //! ```text
 //! delta = 2 beta F (1.8864 + ln(L/(2 a)))

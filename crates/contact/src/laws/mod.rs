@@ -1,6 +1,6 @@
 //! Normal contact laws: force as a function of stiffness, penetration and its rate.
 //!
-//! Each file holds one law: its equation and source, its [`NormalLaw`], its `INFO` (data for users) and `new` (the law from a
+//! Each file has one law: its equation and source, its [`NormalLaw`], its `INFO` (data for users) and `new` (the law from a
 //! scene's parameters). One line below registers it. From that line follow [`LAWS`], [`Law`] with its forces, energy and force
 //! along the profile, and [`Law::named`].
 
@@ -74,7 +74,7 @@ registry! {
     }
 }
 
-/// Any of the laws. Its one branch on the type is cheap because it always goes the same way: loops over contacts are compiled
+/// Any of the laws. Its branch on the type is cheap because it is always taken the same way; loops over contacts are compiled
 /// once for all laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
@@ -182,7 +182,7 @@ impl Shape {
             Self::Sphere => "balls that touch in a point; the face width does not enter",
             Self::Line => "rollers that touch on a line; stiffness grows with the face width",
             Self::Fitted => {
-                "whatever the one stiffness was fitted to; the face width does not enter"
+                "those to which the one stiffness was fitted; the face width does not enter"
             }
         }
     }

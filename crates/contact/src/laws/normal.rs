@@ -2,11 +2,11 @@
 
 use crate::Real;
 
-/// Penalty law F_n(K, delta, d(delta)/dt) for delta > 0, of one contact or of several side by side. In lanes without contact
-/// (delta <= 0) the results are undefined.
+/// Penalty law F_n(K, delta, d(delta)/dt) for delta > 0, of one contact or of several in lanes. Lanes without contact (delta <=
+/// 0) have undefined results.
 ///
-/// Laws are small copyable values without history: a law that depends on the speed of an impact takes a reference speed from
-/// its settings.
+/// Laws are small copyable values without history: a law that depends on the impact speed takes a reference speed from its
+/// settings.
 pub trait NormalLaw: Copy {
     /// Returns the normal force, N, never negative. `stiffness` K in N/m^1.5, `penetration` in m (> 0), `rate` in m/s.
     #[must_use]
@@ -54,7 +54,7 @@ pub trait NormalLaw: Copy {
         self.exponent() * self.stiffness(hertz) * depth.powf(self.exponent() - 1.0)
     }
 
-    /// Returns the force at `rate` and at rest, N, and the stored energy, J; all share their roots.
+    /// Returns the force at `rate` and at rest, N, and the stored energy, J, which share their roots.
     #[must_use]
     #[inline(always)]
     fn observed<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {

@@ -6,7 +6,7 @@
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
-/// Eq. 20.
+/// The paper's law, Eq. 20.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperLaw {
     /// Damping C, N s/m.
@@ -40,7 +40,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     name: "paper",
     summary: "the paper's law: Hertzian stiffness of the local curvature, viscous damping, both ramped in",
     formula: "max(0, S(delta) (K delta^1.5 + C v))",
-    source: "the paper, Eq. 20 and 22 to 24; the maximum with 0 is ours",
+    source: "the paper, Eq. 20 and 22 to 24; the maximum with 0 is Pinwheel's",
     domain: "penetrations far below the radii; creates energy where K varies along the profile (0.95 % on the paper's gear)",
     slow_impact: "regular: does not depend on the impact speed",
     keys: &["contact.damping_n_s_m", "contact.ramp_m"],

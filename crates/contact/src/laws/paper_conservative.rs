@@ -1,4 +1,4 @@
-//! The paper's law made consistent in energy.
+//! The paper's law made energy-consistent.
 //!
 //! ```text
 //! U(a, delta) = K(a) I(delta),   I = integral of S(x) x^1.5 from 0 to delta
@@ -6,13 +6,13 @@
 //! along:       -dU/da / (|C'| (1 - delta kappa_C))   on the pin, along the profile
 //! ```
 //! U depends only on the position of the pin's centre in the disc's frame. Its full gradient therefore acts at that centre,
-//! with its reaction on the disc at the same point; the paper omits the part along the profile. The law needs dK/da, so that it
-//! exists for exact detection only.
+//! with its reaction on the disc at the same point; the paper omits the part along the profile. The law needs dK/da, so it is
+//! available for exact detection only.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
-/// Eq. 20 with the missing part of the gradient.
+/// Law of Eq. 20 with the missing part of the gradient.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperConservative(PaperLaw);
 

@@ -6,12 +6,12 @@
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
-/// Eq. 20 without a maximum.
+/// Law of Eq. 20 without the maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperPrinted(PaperLaw);
 
 impl NormalLaw for PaperPrinted {
-    /// May be negative, unlike every other law's.
+    /// Returns the normal force, N, which may be negative, unlike that of every other law.
     #[inline(always)]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
         let PaperLaw { damping, ramp } = self.0;
@@ -31,7 +31,7 @@ pub(super) fn new(parameters: &LawParameters) -> PaperPrinted {
 
 pub(super) const INFO: LawInfo = LawInfo {
     name: "paper-printed",
-    summary: "the paper's law without our clamp: contacts that part quickly pull",
+    summary: "the paper's law without the clamp at 0: contacts that separate quickly pull",
     formula: "S(delta) (K delta^1.5 + C v)",
     source: "the paper, Eq. 20 as printed",
     domain: "studies of the published model only: the force is adhesive for v < -K delta^1.5/C",

@@ -2,8 +2,8 @@
 
 use crate::{HertzStiffness, Material};
 
-/// Parameters of all laws, SI; each law reads those of its [`keys`](super::LawInfo::keys). The default values are those of the
-/// paper's gear; for other laws they are those of a scene without the keys.
+/// Parameters of all laws, SI; each law reads those of its [`keys`](super::LawInfo::keys). Default values are those of the
+/// paper's gear; for other laws those of a scene without the keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawParameters {
     /// Damping C, N s/m; `contact.damping_n_s_m`.

@@ -1,6 +1,6 @@
 //! Contact in series with the bending of the pin that carries the sleeve.
 //!
-//! The pin has no mass and follows the force at rest: of the approach delta the contact takes x and the pin the rest,
+//! The pin has no mass and follows the force at rest: of the approach delta the contact takes x and the pin the remainder,
 //!
 //! ```text
 //! F_e(x) = k (delta - x),   s = x/delta
@@ -20,7 +20,7 @@ use super::{Law, NormalLaw};
 use crate::{Dual, Lanes, Real};
 
 const STEPS: usize = 10;
-/// Least step, relative to x, from which a slope is computed.
+/// Smallest step, relative to x, from which a slope is computed.
 const TELLING: f64 = 1e-7;
 
 /// Normal law of a gear, with the bending of its output pins and the seats of its ring pins.
@@ -74,8 +74,7 @@ impl PinLaw {
     }
 }
 
-/// Numbers for which a contact on a bending pin is evaluated. The function is not inlined: it is large and called from many
-/// places.
+/// Numbers for which a contact on a bending pin is evaluated. The function is not inlined: it is large and has many callers.
 pub trait OnPin: Real {
     /// Returns the force at a rate and at rest, N, and the stored energy, J, at a stiffness, a penetration and a rate.
     fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3];
@@ -124,7 +123,7 @@ fn observed<R: Real>(law: &PinLaw, [stiffness, penetration, rate]: [R; 3]) -> [R
     }
 }
 
-/// Solves contact and pin in series; see the module.
+/// Solves contact and pin in series; see the module's text.
 #[inline(always)]
 fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R; 3] {
     let c = |x: f64| whole.like(x);

@@ -15,7 +15,7 @@ use crate::Real;
 pub struct Ramp {
     width: f64,
     inverse: f64,
-    /// By how much the integral of x^1.5 from 0 to what is beyond the width is larger than that of S x^1.5, m^2.5.
+    /// Difference of the integral of x^1.5 from 0 to the width and that of S x^1.5, m^2.5.
     missing: f64,
 }
 

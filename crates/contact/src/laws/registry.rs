@@ -1,4 +1,4 @@
-//! Macro that builds the laws from the lines of the registry.
+//! Macro that generates the laws from the lines of the registry.
 
 macro_rules! registry {
     (laws { $($module:ident: $form:ident,)* } forms { $($variant:ident($type:ty),)* }) => {

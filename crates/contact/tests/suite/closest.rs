@@ -16,8 +16,8 @@ fn local_and_global_search_agree_to_rounding() {
     }
 }
 
-/// Whatever the start, what is called outside is farther from the curve than asked; and from a start close by, all that
-/// lies on the ray beyond what the steepest slope allows is called so.
+/// From any start, a point that the ray test reports outside is farther from the curve than required. From a start close by,
+/// the test reports every point beyond the allowance of the steepest slope.
 #[test]
 fn rays_tell_what_is_outside() {
     let mut told = 0;

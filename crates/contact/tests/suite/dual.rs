@@ -6,7 +6,7 @@ use pinwheel_contact::{
     PinLaw, Real, RegularisedCoulomb, Scalar,
 };
 
-/// The derivatives of `f` at `x` against differences of order 4 with these steps.
+/// Compares the derivatives of `f` at `x` with differences of order 4 at these steps.
 fn check<const N: usize>(
     x: [f64; N],
     h: [f64; N],
@@ -48,7 +48,7 @@ fn operations_have_their_derivatives() {
     }
 }
 
-/// Every law, on rigid pins and on pins that bend, in its ramp and beyond.
+/// Every law, on rigid and on bending pins, within its ramp and beyond.
 #[test]
 fn laws_have_their_derivatives() {
     let steel = Material {
@@ -120,7 +120,7 @@ fn friction_has_its_derivatives() {
     }
 }
 
-/// The foot of a point that moves, found anew, and from one foot in dual numbers.
+/// Foot of a moving point, by a new search and from one foot in dual numbers.
 #[test]
 fn feet_have_their_derivatives() {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();

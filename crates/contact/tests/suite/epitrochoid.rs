@@ -72,7 +72,7 @@ fn reach_is_just_below_the_sharpest_radii() {
     assert_relative_eq!(curve.reach_inside, 0.9 * 13.12258e-3, max_relative = 1e-3);
 }
 
-/// Convex, of few lobes (what is opposite bounds the reach inside), sharp, of many lobes.
+/// Convex, few lobes (the opposite side bounds the reach inside), sharp, many lobes.
 const CURVES: [(u32, f64); 6] = [
     (3, 0.3),
     (3, 0.9),
@@ -82,14 +82,14 @@ const CURVES: [(u32, f64); 6] = [
     (60, 0.6),
 ];
 
-/// `count` parameters of half a lobe, which all others mirror.
+/// Returns `count` parameters of half a lobe, which all others mirror.
 fn half_a_lobe(curve: &Epitrochoid, count: u32) -> impl Iterator<Item = f64> {
     let half = std::f64::consts::PI / f64::from(curve.lobes());
     (0..=count).map(move |k| half * f64::from(k) / f64::from(count))
 }
 
-/// From their definition, over pairs of places and by curvatures: 0.9 of the radii of the largest balls that touch a place
-/// and hold nothing of the curve.
+/// Reaches by their definition, over pairs of places and by curvatures: 0.9 of the radii of the largest balls that touch a
+/// place and contain no part of the curve.
 #[test]
 fn reaches_are_those_of_all_pairs() {
     for (zk, m) in CURVES {
@@ -137,8 +137,8 @@ fn reaches_are_those_of_all_pairs() {
     }
 }
 
-/// 1.1 of the steepest angle that differences show between curve and circle, and the tolerance that the sharpest place
-/// asks for: from speeds and normals by differences.
+/// Slope: 1.1 of the steepest angle between curve and circle, by differences. Tolerance: that of the sharpest place, from
+/// speeds and normals by differences.
 #[test]
 fn slopes_and_tolerances_are_those_of_the_sharpest_places() {
     let mut gentle = 0;
@@ -153,7 +153,7 @@ fn slopes_and_tolerances_are_those_of_the_sharpest_places() {
             steepest = steepest.max((here.dot(tangent) / here.cross(tangent)).abs());
             let uneven = (after.speed - before.speed) / (2.0 * h) / (2.0 * r);
             let turned = before.normal.cross(after.normal).asin() / tangent.norm();
-            // In units of R the speed is sqrt(g), and its change by arc counts.
+            // In units of R the speed is sqrt(g), and its change along the arc counts.
             let stretch = curve.at(a).speed / r;
             product = product.max((uneven / stretch.powi(2) * turned * r).abs());
         }
@@ -193,13 +193,13 @@ fn moved(offset: LobeOffset) -> Option<Epitrochoid> {
     Epitrochoid::with_offset(0.0028, 16, 0.7, Some(offset))
 }
 
-/// A waved offset with flanks that differ, m.
+/// Returns a wavy offset with different flanks, m.
 fn waves() -> LobeOffset {
     LobeOffset::series(&[5e-6, 8e-6, 0.0, -2e-6], &[6e-6, 1e-6]).unwrap()
 }
 
-/// Normal, speed and curvature of a moved curve are the derivatives of its points; both certificates agree with a search of
-/// the whole curve.
+/// Normal, speed and curvature of an offset curve are the derivatives of its points; both certificates agree with a search of
+/// the entire curve.
 #[test]
 fn a_moved_curve_is_its_points() {
     let curve = moved(waves()).unwrap();
@@ -231,8 +231,8 @@ fn a_moved_curve_is_its_points() {
     }
 }
 
-/// A constant offset is a parallel curve, points of a series are that series, and points of the way to a larger generating circle
-/// are that circle, within the spline's error, which falls with the fourth power of the step.
+/// A constant offset is a parallel curve, and points of a series reproduce it. Points of the distance to a larger generating
+/// circle reproduce that circle within the spline's error, which falls with the fourth power of the step.
 #[test]
 fn published_offsets_are_the_built_in_modifications() {
     let plain = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
@@ -287,7 +287,7 @@ fn published_offsets_are_the_built_in_modifications() {
 
 #[test]
 fn bad_input_offsets_that_fold() {
-    // Further out than the pit is round.
+    // Offset beyond the radius of the pit.
     assert!(moved(LobeOffset::series(&[-1e-3], &[]).unwrap()).is_none());
     assert!(LobeOffset::spline(&[0.0, 1e-6]).is_none());
     assert!(LobeOffset::series(&[f64::NAN], &[]).is_none());

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 const ECCENTRICITY: f64 = 0.0028;
 
-/// A gear and where its disc stands: behind the ideal mesh by `lag` pitches, and shifted from its orbit.
+/// Gear and pose of its disc: `lag` pitches behind the ideal mesh, and shifted from its orbit.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     zk: u32,
@@ -26,7 +26,7 @@ impl Pose {
         Epitrochoid::new(ECCENTRICITY, self.zk, self.m).unwrap()
     }
 
-    /// This pose and others of the same gear, the disc at other places of its orbit.
+    /// Returns this pose with the disc at `count` places of its orbit.
     fn turned(self, count: u32) -> impl Iterator<Item = Self> {
         (0..count).map(move |k| Self {
             input: self.input + f64::from(k),
@@ -35,11 +35,11 @@ impl Pose {
     }
 }
 
-/// Pins about a disc, as its frame sees them.
+/// Pins about a disc, in the disc's frame.
 struct Mesh<'a> {
     curve: &'a Epitrochoid,
     points: Vec<Complex>,
-    /// Where the ideal mesh has their feet.
+    /// Feet in the ideal mesh.
     units: Vec<Complex>,
     multiple: Complex,
 }
@@ -64,7 +64,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// Depths of all pins by the scalar search; 0 outside.
+    /// Returns the depths of all pins by the scalar search; 0 outside.
     fn depths(&self) -> Vec<f64> {
         self.points
             .iter()
@@ -76,14 +76,14 @@ impl<'a> Mesh<'a> {
             .collect()
     }
 
-    /// Groups of lanes from every instruction set against the scalar search. On the curve itself rounding decides,
-    /// and nothing acts there.
+    /// Compares groups of lanes of every instruction set with the scalar search. On the curve rounding decides between inside
+    /// and outside, with no effect on forces.
     fn check(&self) -> Result<(), TestCaseError> {
         self.check_to(0.0)
     }
 
-    /// Compares groups of lanes from every instruction set with the scalar search. Depths may differ by `share` of
-    /// themselves at best.
+    /// Compares groups of lanes of every instruction set with the scalar search; depths may have a relative difference of
+    /// `share`.
     fn check_to(&self, share: f64) -> Result<(), TestCaseError> {
         let depths = self.depths();
         for arch in [pulp::Arch::new(), at_most_avx2(), pulp::Arch::Scalar] {
@@ -118,7 +118,7 @@ impl Lanewise<'_> {
         let scale = curve.pitch_radius();
         let off = (feet.position.lane(k) - exact.at.position).norm();
         prop_assert!(off < 1e-11 * scale, "position: off by {off:e}");
-        // m e^{i zs a}: what the lobe adds to a direction.
+        // Complex number m e^{i zs a}: the lobe's contribution to a direction.
         let share = ECCENTRICITY * f64::from(curve.lobes() + 1) / scale;
         let lobe = (exact.unit.powu(curve.lobes())).scale(share);
         let found = Complex::new(foot.cos.as_slice()[k], foot.sin.as_slice()[k]);
@@ -142,7 +142,7 @@ impl pulp::WithSimd for Lanewise<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(mesh, depths, share) = self;
         let (curve, width) = (mesh.curve, Lanes::<S>::COUNT);
-        // Rounding of positions, about 4 ulp of R; as scalar and lanes round.
+        // Rounding of positions, about 4 ulp of R.
         let rounding = 1e-15_f64.max(8.0 * f64::EPSILON * curve.pitch_radius());
         let multiple = ComplexLanes::splat(simd, mesh.multiple);
         for from in (0..mesh.points.len()).step_by(width) {
@@ -181,8 +181,8 @@ impl pulp::WithSimd for Lanewise<'_> {
 }
 
 prop_compose! {
-    /// Poses near the mesh, with backlash up to half of e, the most a scene may have. Lags are counted in pitches:
-    /// what Newton finds hard depends on the place along the lobe.
+    /// Poses near the mesh, with backlash up to half of e, the maximum of a scene. Lags are in pitches: Newton's difficulty
+    /// depends on the place along the lobe.
     fn poses(sleeves: std::ops::Range<u32>, shortening: std::ops::Range<f64>)(
         zk in sleeves, m in shortening, backlash in prop_oneof![Just(0.0), 0.0..0.5 * ECCENTRICITY],
         input in 0.0..TAU, lag in -0.25..0.25_f64, shift in 0.0..2e-4_f64, towards in 0.0..TAU,
@@ -194,7 +194,7 @@ prop_compose! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any point around any gear: the global search finds what brute force finds.
+    /// For any point around any gear the global search agrees with brute force.
     #[test]
     fn closest_is_global(zk in 3_u32..121, m in 0.2_f64..0.95, radius in 0.0_f64..1.5, angle in -3.2_f64..3.2) {
         let curve = Epitrochoid::new(ECCENTRICITY, zk, m).unwrap();
@@ -204,7 +204,7 @@ proptest! {
         prop_assert!((foot.distance + brute::depth(&curve, p)).abs() < 1e-9 * scale, "{foot:?}");
     }
 
-    /// All pins of any gear: inside exactly when brute force says so, and then with its depth.
+    /// For all pins of any gear, inside and depth agree with brute force.
     #[test]
     fn penetration_is_global(pose in poses(3..121, 0.2..0.95)) {
         let curve = pose.curve();
@@ -215,7 +215,7 @@ proptest! {
         }
     }
 
-    /// Lane by lane the scalar search, for any gear, pose, backlash and instruction set.
+    /// Each lane agrees with the scalar search for any gear, pose, backlash and instruction set.
     #[test]
     fn lanes_are_the_scalar_search(pose in poses(3..121, 0.2..0.95)) {
         let curve = pose.curve();
@@ -224,7 +224,7 @@ proptest! {
         }
     }
 
-    /// Lanes equal the scalar search where Newton's steps run out most often, once in some thousand poses.
+    /// Lanes agree with the scalar search where Newton's steps run out most often, once in some thousand poses.
     #[test]
     fn hard_lanes_out_of_steps(pose in poses(60..121, 0.5..0.72)) {
         let curve = pose.curve();
@@ -234,7 +234,7 @@ proptest! {
     }
 }
 
-/// Pins on the curve to rounding: what is inside has a depth above 0, of which laws take roots.
+/// Pins on the curve to rounding: a pin inside has a depth above 0, of which laws take roots.
 #[test]
 fn regress_sleeves_on_the_curve() {
     for zk in [5, 16, 61] {
@@ -254,7 +254,7 @@ fn regress_sleeves_on_the_curve() {
     }
 }
 
-/// Pins anywhere inside, far beyond the depth at which a foot is certain: the lanes ask the scalar search.
+/// Pins inside far beyond the depth at which a foot is certain: the lanes use the scalar search.
 #[test]
 fn hard_lanes_of_deep_sleeves() {
     let mut deep = 0;
@@ -275,7 +275,7 @@ fn hard_lanes_of_deep_sleeves() {
                 mesh.points = (mesh.points.iter().zip(&mesh.units))
                     .map(|(p, unit)| unit.scale(share * curve.pitch_radius()) + p.scale(1e-2))
                     .collect();
-                // Their normals are off by the rounding of powers of zk: 1e-13 of the depth was measured.
+                // Their normals have the rounding of powers of zk; measured: 1e-13 of the depth.
                 mesh.check_to(1e-12).unwrap();
                 deep += mesh.depths().iter().filter(|depth| **depth > 0.0).count();
             }
@@ -284,8 +284,8 @@ fn hard_lanes_of_deep_sleeves() {
     assert!(deep > 500, "{deep}");
 }
 
-/// Pins larger than the edge's offset touch outside the curve, too: found where the search over the whole curve finds them,
-/// and nowhere else, from starts beside the ideal mesh's.
+/// Pins larger than the edge's offset also touch outside the curve, exactly where the search over the entire curve has a foot,
+/// from starts beside the ideal mesh's.
 #[test]
 fn feet_within_a_limit_are_those_of_the_whole_curve() {
     let (mut near, mut far) = (0, 0);

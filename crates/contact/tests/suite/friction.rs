@@ -1,4 +1,4 @@
-//! Friction by the sliding speed.
+//! Friction as a function of the sliding speed.
 
 use pinwheel_contact::{AdamsFriction, Friction, RegularisedCoulomb};
 

@@ -1,4 +1,4 @@
-//! Hertz' stiffness from the curvature.
+//! Hertz' stiffness as a function of the curvature.
 
 use approx::assert_relative_eq;
 use pinwheel_contact::{HertzStiffness, Material};
@@ -15,7 +15,7 @@ fn profile_form_is_equation_23() {
     let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
     let k = 4.0 * 0.01 / (3.0 * std::f64::consts::PI * 2.0 * h) * (rc * q / (rc + q)).sqrt();
     assert_relative_eq!(steel.of_edge(q, q, kappa), k, max_relative = 1e-14);
-    // A pin that did not make the profile.
+    // Pin of another radius than the profile's offset.
     let rp = 0.0061;
     let k = k * (rc * rp / (rc + rp) / (rc * q / (rc + q))).sqrt();
     assert_relative_eq!(steel.of_edge(rp, q, kappa), k, max_relative = 1e-14);

@@ -1,4 +1,4 @@
-//! Functions of lanes against the standard library, by every instruction set there is.
+//! Functions of lanes against the standard library, for every available instruction set.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, Real};
 use pulp::Simd;
@@ -24,7 +24,7 @@ impl pulp::WithSimd for Functions<'_> {
     }
 }
 
-/// Angles of some turns and of many, and beyond what the reduction in lanes is exact for.
+/// Angles of some turns and of many, and beyond the exact range of the reduction in lanes.
 #[test]
 fn units_and_roots_are_those_of_the_library() {
     let mut values = Vec::new();
@@ -47,7 +47,7 @@ fn by_every_set<T: pulp::WithSimd + Copy>(task: T) {
     }
 }
 
-/// Two groups of numbers, none of them alike.
+/// Operations on two groups of different numbers.
 #[derive(Clone, Copy)]
 struct Operations;
 
@@ -62,7 +62,7 @@ impl pulp::WithSimd for Operations {
     }
 }
 
-/// A group of numbers of both signs; `of` makes another.
+/// Returns a group of numbers of both signs that depends on `of`.
 fn group<S: Simd>(of: f64) -> Vec<f64> {
     let count = Lanes::<S>::COUNT as u32;
     (0..count)
@@ -101,7 +101,7 @@ fn numbers<S: Simd>(simd: S) {
     assert!((first - exact[0]).abs() < 4e-15 && (second - exact[1]).abs() < 4e-15);
     assert!((a.sum() - exact[0] - exact[1]).abs() < 8e-15);
 
-    // To and from memory; what is beyond the end is 0.
+    // Storing and loading; values beyond the end are 0.
     let mut stored = y.clone();
     a.store(&mut stored);
     assert_eq!(stored, x);

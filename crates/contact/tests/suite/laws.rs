@@ -4,7 +4,7 @@ use pinwheel_contact::laws::{LAWS, hysteresis_factor, law_info, step};
 use pinwheel_contact::{Lanes, Law, LawParameters, NormalLaw as _, PaperLaw, Ramp};
 use pulp::Simd;
 
-/// Every law at the default parameters.
+/// Iterates over every law at the default parameters.
 fn each() -> impl Iterator<Item = (&'static str, Law)> {
     let parameters = LawParameters::default();
     LAWS.iter().map(move |info| {
@@ -32,8 +32,8 @@ fn names_differ_and_texts_are_there() {
     assert!(Law::named("papre", &LawParameters::default()).is_none());
 }
 
-/// No law but the printed one pulls, none has a jump at first touch when bodies meet at rest, and stored energy is
-/// what the force at rest does.
+/// Only the printed law pulls, no law has a jump at first touch at rest, and the stored energy is the work of the force at
+/// rest.
 #[test]
 fn forces_push_and_store() {
     for (name, law) in each() {
@@ -55,7 +55,7 @@ fn forces_push_and_store() {
     }
 }
 
-/// Closing bodies are pressed apart more and parting ones less, below the ramp and above it.
+/// Damping raises the force of approaching bodies and lowers that of separating ones, below the ramp and above it.
 #[test]
 fn damping_opposes() {
     for (name, law) in each() {
@@ -70,17 +70,17 @@ fn damping_opposes() {
     }
 }
 
-/// A law says that it has a potential if and only if its force along the profile is that potential's: dU/dK, or
-/// nothing where the energy does not depend on K.
+/// A law declares a potential if and only if its force along the profile is that potential's: dU/dK, or 0 where the energy does
+/// not depend on K.
 #[test]
 fn potentials_have_their_force_along_the_profile() {
-    // The stiffness of linear springs is the same all along the profile.
+    // Linear springs have constant stiffness along the profile.
     for (name, law) in each().filter(|(name, _)| *name != "linear") {
         for depth in [1e-7, 4e-6, 1e-5, 3e-5, 4e-4] {
             let (k, h) = (1e8, 1e4);
             let change = (law.stored(k + h, depth) - law.stored(k - h, depth)) / (2.0 * h);
             let along = law.along(k, depth).unwrap_or(0.0);
-            // Nothing depends on K, or a difference of 1e-4 of it to its rounding.
+            // Either nothing depends on K, or a difference of 1e-4 of K agrees to its rounding.
             let whole = (along - change).abs() <= 1e-7 * change;
             assert_eq!(
                 whole,
@@ -91,7 +91,7 @@ fn potentials_have_their_force_along_the_profile() {
     }
 }
 
-/// A law in lanes against itself, one contact at a time.
+/// Comparison of a law in lanes with its scalar form.
 struct InLanes(Law);
 
 impl pulp::WithSimd for InLanes {
@@ -130,7 +130,7 @@ fn lanes_are_the_law() {
     }
 }
 
-/// Above its ramp and at rest a law's force, depth and slope belong together.
+/// Above its ramp and at rest a law's force, depth and slope are consistent.
 #[test]
 fn springs_are_those_of_the_force() {
     for (name, law) in each() {
@@ -148,7 +148,7 @@ fn springs_are_those_of_the_force() {
     }
 }
 
-/// The published factors at two restitutions, by hand.
+/// Published factors at two restitutions, by hand.
 #[test]
 fn hysteresis_factors_are_those_of_their_authors() {
     for (name, at_half, at_four_fifths) in [
@@ -180,7 +180,7 @@ fn the_paper_s_law_by_hand() {
         ramp: Ramp::new(1e-5),
     };
     assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * (4e-4 * 0.02));
-    // Half way up the ramp everything counts half.
+    // Half way up the ramp force and damping are halved.
     assert!((law.force(1e8, 5e-6, 0.1) - 0.5 * (1e8 * 5e-6_f64.powf(1.5) + 0.8)).abs() < 1e-12);
     assert_eq!(law.force(1e8, 1e-6, -10.0), 0.0);
 }
@@ -192,7 +192,7 @@ fn pulls_where_the_paper_s_law_is_clamped() {
     assert!(law.force(1e8, 1e-5, -10.0) < -70.0);
 }
 
-/// Palmgren's formula itself, with H = 1: 1000 N on 10 mm.
+/// Palmgren's formula, with H = 1: 1000 N on 10 mm.
 #[test]
 fn depth_is_palmgren_s() {
     let parameters = LawParameters {

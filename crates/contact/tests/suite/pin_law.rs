@@ -1,4 +1,4 @@
-//! Contacts in series with a pin that bends.
+//! Contacts in series with a bending pin.
 
 use pinwheel_contact::laws::LAWS;
 use pinwheel_contact::{Lanes, Law, LawParameters, NormalLaw as _, PinLaw};
@@ -13,7 +13,7 @@ fn on_pin(name: &str, pin: f64) -> PinLaw {
     }
 }
 
-/// Springs in series: 1/k = 1/k1 + 1/k2, and the damper sees the square of its share.
+/// Springs in series: 1/k = 1/k1 + 1/k2, and the damper acts with the square of its share.
 #[test]
 fn published_springs_in_series() {
     let law = on_pin("linear", 5e7);
@@ -33,8 +33,7 @@ fn published_springs_in_series() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Contact and pin carry the same force, together they take the whole approach, forces rise and are the slope of the
-    /// energy; lanes say the same.
+    /// Contact and pin have equal forces and share the approach; forces rise and are the slope of the energy; lanes agree.
     #[test]
     fn the_force_is_that_of_contact_and_pin(
         number in 0..LAWS.len(), depth in -7.0..-3.3_f64, hertz in 7.0..10.5_f64, softer in -6.0..4.0_f64,
@@ -48,12 +47,12 @@ proptest! {
         let [force, elastic, stored] = law.observed(hertz, depth, rate);
         let x = depth - elastic / pin;
         if softer < 1.0 {
-            // Where most of the approach is the pin's, the rest is known less well.
+            // Where most of the approach is the pin's, the remainder is less accurate.
             prop_assert!((plain.force(hertz, x, 0.0) / elastic - 1.0).abs() < 1e-11, "{name} {x}");
         }
         prop_assert!(force.is_finite() && (force - elastic) * rate >= 0.0);
         let (h, by) = (1e-6 * depth, 1e-6 * x);
-        // Deeper than a line contact can be the law is a spring without an energy of its own.
+        // Beyond the depth of a line contact the law is a spring without an energy of its own.
         let rise = (plain.stored(hertz, x + by) - plain.stored(hertz, x - by)) / (2.0 * by);
         prop_assume!((rise / plain.force(hertz, x, 0.0) - 1.0).abs() < 1e-6);
         let beside = |h: f64| law.observed(hertz, depth + h, 0.0);
@@ -76,7 +75,7 @@ impl WithSimd for Same {
         let [k, d, v] = self.1.map(|x| Lanes::splat(simd, x));
         let (lanes, [k1, d1, v1]) = (self.0.observed(k, d, v), self.1);
         let one = self.0.observed(k1, d1, v1);
-        // A force that has almost parted is a difference from the one at rest.
+        // A nearly vanishing force is a small difference from the force at rest.
         for ((lanes, value), size) in
             lanes
                 .iter()

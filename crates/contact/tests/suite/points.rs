@@ -7,7 +7,7 @@ use pinwheel_contact::{
 };
 use proptest::prelude::*;
 
-/// Place on the offset of `curve` by `offset` at the parameter `a`.
+/// Returns the point on the offset of `curve` by `offset` at the parameter `a`.
 fn vertex(curve: &Epitrochoid, offset: f64, a: f64) -> Complex {
     let at = curve.at(a);
     at.position - at.normal.scale(offset)
@@ -16,7 +16,7 @@ fn vertex(curve: &Epitrochoid, offset: f64, a: f64) -> Complex {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
-    /// The walk finds the vertex that a scan of all vertices finds, for any gear and number of points.
+    /// The walk and a scan of all vertices agree, for any gear and number of points.
     #[test]
     fn nearest_vertex_is_the_scan_s(
         zk in 4_u32..30, m in 0.3_f64..0.8, per_lobe in 8_usize..300, a in -3.2_f64..3.2, depth in 0.0_f64..2e-4,
@@ -35,7 +35,7 @@ proptest! {
         prop_assert!(found == scan, "{found} {scan}");
     }
 
-    /// Same for a hole.
+    /// The direct formula and a scan of all points of a hole agree.
     #[test]
     fn nearest_hole_point_is_the_scan_s(count in 8_usize..200, angle in -3.2_f64..3.2) {
         let points = HolePoints::new(count);
@@ -47,7 +47,7 @@ proptest! {
     }
 }
 
-/// A foot that is some points off, to either side, leads to the same vertex: the walk goes both ways.
+/// From a foot some points off, to either side, the walk reaches the same vertex.
 #[test]
 fn the_walk_goes_both_ways() {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
@@ -95,6 +95,6 @@ fn penetration_is_signed_by_clearance() {
     assert!(hole.penetration(Complex::new(0.0407, 0.0), 0.006).is_none());
     let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).unwrap();
     assert!((depth - 1e-4).abs() < 1e-15 && normal == Complex::ONE);
-    // A pin in the very centre touches nothing, whatever direction that is.
+    // A pin in the very centre touches nothing, although its direction is undefined.
     assert!(hole.penetration(hole.centre, 0.006).is_none());
 }

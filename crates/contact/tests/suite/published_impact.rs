@@ -1,4 +1,4 @@
-//! A pin dropped on the fixed profile: Hertz impact in closed form, and the restitution of hysteresis laws.
+//! Pin dropped on the fixed profile: Hertz impact in closed form, and the restitution of hysteresis laws.
 //!
 //! Undamped, `m a = -k delta^1.5` from the speed v: greatest depth `(5 m v^2/(4 k))^(2/5)`, force k times its power 1.5,
 //! contact time 2.9432 times depth over v [Johnson 1985, 11.1; the number is (4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)].
@@ -18,9 +18,9 @@ use pinwheel_contact::{
     PaperLaw, Ramp,
 };
 
-/// The paper's pin, kg.
+/// Mass of the paper's pin, kg.
 const MASS: f64 = 0.048;
-/// 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10).
+/// Contact time in depth over speed: 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10).
 const TIME: f64 = 2.943_275_184;
 
 struct Impact {
@@ -37,7 +37,7 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
     let at = curve.at(a);
     let start = Complex::unit(a);
     let multiple = start.powu(16);
-    // Position along the normal, from C outwards; everything else follows from the foot of that point.
+    // Position along the normal, from C outwards; all other quantities follow from the foot of that point.
     let force = |s: f64, rate: f64| {
         let p = at.position + at.normal.scale(s);
         curve
@@ -81,7 +81,7 @@ fn stiffness_at(a: f64) -> f64 {
     paper().of_edge(0.006, 0.006, curve.at(a).curvature)
 }
 
-/// Lobe tip, flank and pit: three stiffnesses. The ramp is made so thin that it does not matter.
+/// Lobe tip, flank and pit: three stiffnesses. The ramp is too thin to matter.
 #[test]
 fn undamped_impact_is_hertz_s() {
     let law = PaperLaw {
@@ -119,8 +119,8 @@ fn undamped_impact_is_hertz_s() {
     }
 }
 
-/// Light damping takes C times the integral of v^2 over the undamped impact:
-/// `2 C v depth * integral of sqrt(1 - x^2.5) from 0 to 1`, which is Gamma(7/5) Gamma(3/2)/Gamma(19/10).
+/// Light damping dissipates C times the integral of v^2 over the undamped impact: `2 C v depth * integral of sqrt(1 - x^2.5)
+/// from 0 to 1`, which is Gamma(7/5) Gamma(3/2)/Gamma(19/10).
 #[test]
 fn energy_lost_grows_with_damping_as_it_must() {
     let shape = 0.817_576_44;
@@ -135,8 +135,8 @@ fn energy_lost_grows_with_damping_as_it_must() {
         let out = drop_on_profile(law, 0.0, v).speed_out;
         0.5 * MASS * (v * v - out * out)
     };
-    // Two small dampings; the slope at 0 by extrapolation. Measured 3e-4: the force that is cut off at 0 on the way
-    // out leaves a term of C^(5/3).
+    // Two small dampings, extrapolated to the slope at 0. Measured 3e-4: the clamp of the force at 0 during separation leaves a
+    // term of C^(5/3).
     let (one, two) = (lost(0.02) / 0.02, lost(0.04) / 0.04);
     let slope = 2.0 * one - two;
     let exact = 2.0 * v * depth * shape;
@@ -144,11 +144,11 @@ fn energy_lost_grows_with_damping_as_it_must() {
     assert!(lost(16.0) > lost(8.0) && lost(8.0) > lost(0.04));
 }
 
-/// Dropped at the reference speed, a pin leaves with the restitution of the family's closed form, and
-/// that is the one put in as far as the law's domain goes.
+/// A pin dropped at the reference speed leaves with the restitution of the family's closed form, which is the input value
+/// within the law's domain.
 #[test]
 fn hysteresis_laws_keep_their_restitution() {
-    // (law, c put in, |c out - c in| allowed): what the literature's error plots show; computed here.
+    // (law, input c, largest |c out - c in|): read from error plots of the literature; computed here.
     let limits = [
         ("hunt-crossley", [0.003, 0.010, 0.035]),
         ("lee-wang", [0.030, 0.055, 0.112]),
@@ -174,7 +174,7 @@ fn hysteresis_laws_keep_their_restitution() {
     }
 }
 
-/// The restitution c that the factor chi > 0 gives, by bisection of the closed form in the laws' module.
+/// Returns the restitution c for the factor chi > 0, by bisection of the closed form in the laws' module.
 fn restitution_of(factor: f64) -> f64 {
     let wanted = factor - factor.ln_1p();
     // The left side grows from 0 at c = 0; c is at most 1 and chi c stays below 1.
@@ -191,7 +191,7 @@ fn restitution_of(factor: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// With one reference speed slower impacts lose less, and nothing blows up as the speed goes to 0.
+/// With one reference speed slower impacts lose less, and the damping stays bounded as the speed tends to 0.
 #[test]
 fn slow_impacts_are_harmless() {
     let chi = hysteresis_factor("flores", 0.5).unwrap();

@@ -1,4 +1,4 @@
-//! Laws of rollers against their authors' formulas as they are printed.
+//! Laws of rollers against their authors' printed formulas.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ const PRINTED: Material = Material {
     poisson: 0.39,
 };
 
-/// A roller of radius `pin` against a disc, R = R_c R_p/(R_c + R_p), lengths in m.
+/// Roller of radius `pin` against a disc, R = R_c R_p/(R_c + R_p), lengths in m.
 struct Case {
     pin: f64,
     radius: f64,
@@ -23,7 +23,7 @@ struct Case {
 }
 
 impl Case {
-    /// Deflection of both bodies under a force, m: Johnson's half cylinder, 5.6, and the half plane to a depth h of
+    /// Returns the approach of both bodies under a force, m: Johnson's half cylinder, 5.6, and the half plane to a depth h of
     /// Weber and Banaschek, whose contact is 2 a wide.
     fn approach(&self, force: f64) -> f64 {
         let [pin, disc] = self.materials;
@@ -49,7 +49,7 @@ impl Case {
     }
 }
 
-/// Rollers of 1 to 20 mm in pits, holes and on lobes, of steel on steel and on a printed disc, from next to nothing to 20 kN.
+/// Rollers of 1 to 20 mm in pits, holes and on lobes, of steel on steel and on a printed disc, from almost no load to 20 kN.
 #[test]
 fn published_approach_of_rollers() {
     for materials in [[STEEL, STEEL], [STEEL, PRINTED]] {
@@ -71,7 +71,7 @@ fn published_approach_of_rollers() {
             let k = hertz.of(pin, radius);
             for force in [1e-9, 1e-3, 1.0, 300.0, 2e4] {
                 let delta = case.approach(force);
-                // Beyond this the contact is no longer narrow, and the law a spring.
+                // Beyond this width the contact is no longer narrow, and the law is a spring.
                 let a = (4.0 * force * radius * 2.0 * materials[1].compliance() / 0.015).sqrt();
                 if a > 0.2 * pin {
                     continue;
@@ -87,7 +87,7 @@ fn published_approach_of_rollers() {
     }
 }
 
-/// Twice the length halves the approach under the same load a length; a law of balls knows no length.
+/// Twice the length halves the approach under the same load per length; laws of balls do not depend on it.
 #[test]
 fn published_rollers_know_their_length() {
     let at = |length: f64| {
@@ -111,8 +111,8 @@ fn published_rollers_know_their_length() {
     assert_eq!(Some(balls), Law::named("paper", &longer));
 }
 
-/// Values that a prototype in Python gives for contacts of a 39:1 gear of steel, 7.8 mm wide, discs 10 mm deep:
-/// approach in um, local exponent, and tangent in N/um, printed to as many digits. R is that of its balls' approach.
+/// Values of a prototype in Python for contacts of a 39:1 gear of steel, 7.8 mm wide, discs 10 mm deep: approach in um, local
+/// exponent, and tangent in N/um, as printed. R is that of the approach of balls.
 #[test]
 fn crossval_approaches_of_a_prototype() {
     let parameters = LawParameters {
@@ -167,7 +167,7 @@ fn crossval_approaches_of_a_prototype() {
             let k = parameters.hertz(name).of(pin, radius);
             let depth = law.depth(k, force);
             let slope = law.tangent(k, depth);
-            // To half of the last printed digit, and what that does to R.
+            // Half of the last printed digit, and its effect on R.
             let close = |of: f64, to: f64, digit: f64| {
                 let most = 0.5 * digit + 2e-3 * to;
                 assert!((of - to).abs() < most, "{what}, {name}: {of} {to}");
@@ -183,7 +183,7 @@ fn crossval_approaches_of_a_prototype() {
     }
 }
 
-/// Lundberg's formula as it is printed, for two rollers and several materials. Measured: 1e-14.
+/// Lundberg's printed formula, for two rollers and several materials. Measured: 1e-14.
 #[test]
 fn published_lundberg() {
     for materials in [[STEEL, STEEL], [STEEL, PRINTED]] {
@@ -202,7 +202,7 @@ fn published_lundberg() {
                     .map(|m| (1.0 - m.poisson * m.poisson) / m.young)
                     .iter()
                     .sum();
-                // Half the width, of two bodies: b^2 = 4 Q (1/E_1' + 1/E_2') R/(pi L).
+                // Half the width for two bodies: b^2 = 4 Q (1/E_1' + 1/E_2') R/(pi L).
                 let b = (4.0 * force * softness * radius / (PI * 0.015)).sqrt();
                 let delta =
                     2.0 * force / (PI * 0.015) * softness * (1.8864 + (0.015 / (2.0 * b)).ln());

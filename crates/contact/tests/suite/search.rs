@@ -3,7 +3,7 @@
 use pinwheel_contact::Complex;
 use pinwheel_contact::internals::Search;
 
-/// f = T x r of a point on the curve, as the product of two power series: those of T1 + T2 and of the way along the curve.
+/// f = T x r of a point on the curve, as the product of two power series: those of T1 + T2 and of the arc along the curve.
 #[test]
 fn series_are_the_product_of_two_power_series() {
     for (sleeves, m) in [(3, 0.3), (16, 0.7), (60, 0.95)] {
@@ -33,7 +33,7 @@ fn series_are_the_product_of_two_power_series() {
                 );
             }
         }
-        // The third derivative, 6 of its coefficients, wherever the lobe points.
+        // Largest third derivative, 6 times its coefficient, over all directions of the lobe.
         let most = (0..64)
             .map(|k| m * (0.1 * f64::from(k)).cos())
             .map(|re| search.series[1][0] + search.series[1][1] * re)

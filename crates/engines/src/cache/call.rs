@@ -1,4 +1,4 @@
-//! Calls of Python, pip and compilers: their last words on failure, their current line as progress.
+//! Calls of Python, pip and compilers: final message on failure, current line as progress.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -10,12 +10,12 @@ use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
 use crate::process::{self, End};
 
-/// Longest piece of a failed call's output that goes into an error, bytes.
+/// Longest part of a failed call's output in an error, bytes.
 const LAST_WORDS: usize = 400;
-/// Lines of a progress note that fit beside its title.
+/// Longest line of a progress note beside its title, characters.
 const LINE: usize = 70;
 
-/// A line on the terminal with what goes on and for how long; nothing when stderr is no terminal.
+/// Progress line on the terminal with elapsed time; nothing if stderr is no terminal.
 pub struct Note(ProgressBar);
 
 impl Note {
@@ -35,8 +35,8 @@ impl Note {
     }
 }
 
-/// Settings of pip that say how to reach packages; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would install
-/// something else, or elsewhere.
+/// Settings of pip for access to packages, which are passed on; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would change what
+/// is installed, or where.
 const PIP_MAY: &str = "CACHE_DIR CERT CLIENT_CERT CONFIG_FILE DEFAULT_TIMEOUT EXTRA_INDEX_URL FIND_LINKS INDEX_URL \
                        KEYRING_PROVIDER NO_CACHE_DIR NO_INDEX PROXY RETRIES TIMEOUT TRUSTED_HOST";
 
@@ -47,7 +47,8 @@ pub fn kept_away(name: &str) -> bool {
         .is_some_and(|setting| !may(setting))
 }
 
-/// Runs to the end and returns standard output; ended as soon as `cancel` is set. The error is the call's own last words.
+/// Runs a program to its end, or until `cancel` is set, and returns its standard output. The error is the program's final
+/// message.
 pub fn call<S: AsRef<OsStr>>(
     program: &Path,
     arguments: impl IntoIterator<Item = S>,
@@ -90,7 +91,7 @@ pub fn call<S: AsRef<OsStr>>(
         .unwrap_or_else(|| status.to_string()))
 }
 
-/// The last line that says something, pip's errors before others.
+/// Returns the last line with content, preferably an error of pip.
 fn last_words(text: &str) -> Option<String> {
     let lines = || text.lines().map(str::trim).filter(|line| !line.is_empty());
     let line = lines()

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// Returns the library of the contact law: the file that `PINWHEEL_LAW` names, or the one beside the program.
+/// Returns the library of the contact law: the file named by `PINWHEEL_LAW`, or the one beside the program.
 ///
 /// # Errors
 /// The remedy, on one line, if there is none.
@@ -10,15 +10,15 @@ pub fn law_library() -> Result<PathBuf, String> {
     library("law", "PINWHEEL_LAW")
 }
 
-/// Returns the library of co-simulation units: the file that `PINWHEEL_FMU` names, or the one beside the program.
+/// Returns the library of co-simulation units: the file named by `PINWHEEL_FMU`, or the one beside the program.
 ///
 /// # Errors
-/// As [`law_library`].
+/// Errors of [`law_library`].
 pub fn fmu_library() -> Result<PathBuf, String> {
     library("fmu", "PINWHEEL_FMU")
 }
 
-/// Returns `libpinwheel_WHAT`: the file that the environment variable names, or the one beside the program.
+/// Returns `libpinwheel_WHAT`: the file named by the environment variable, or the one beside the program.
 fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
     let name = format!(
         "{}pinwheel_{what}{}",

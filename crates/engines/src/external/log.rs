@@ -1,4 +1,4 @@
-//! Output and consumption of a running solver: orders on stderr, last words, files that are not too large.
+//! Output and resources of a running solver: commands on stderr, final message, limits on files.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -8,29 +8,29 @@ use crate::process::{End, Piece};
 /// Limits of a solver's output and time.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Wall time.
+    /// Longest wall time.
     pub longest: Duration,
-    /// Bytes of all files in its folder.
+    /// Largest total size of files in its folder, bytes.
     pub folder_bytes: u64,
-    /// Bytes of stdout and stderr together.
+    /// Largest total size of stdout and stderr, bytes.
     pub log_bytes: u64,
 }
 
-/// Longest line that is understood; what is longer is cut.
+/// Longest line, bytes; longer ones are cut.
 pub const LINE: usize = 4096;
-/// Notes that are kept.
+/// Largest number of stored notes.
 const NOTES: usize = 20;
-/// Longest piece of a foreign text in a message.
+/// Longest foreign text in a message.
 pub const WORDS: usize = 300;
 /// Interval between checks of sizes.
 const LOOK: Duration = Duration::from_millis(100);
-/// Most files that are checked in a folder, and most levels of subfolders.
+/// Largest number of files to check in a folder, and of levels of subfolders.
 const FILES: usize = 10_000;
 const LEVELS: usize = 8;
 
 impl Limits {
-    /// Returns the limit that a solver exceeded, `None` if it keeps all limits. The solver began at `begun`; `looked` is the
-    /// time of the last check of its folder.
+    /// Returns the limit that a solver exceeded, `None` within all limits. The solver began at `begun`; `looked` is the time of
+    /// the last check of its folder.
     pub fn passed(
         &self,
         log: &SolverLog,
@@ -46,7 +46,7 @@ impl Limits {
         }
         if log.bytes > self.log_bytes {
             return Some(End::Stopped(format!(
-                "it wrote more than {} MB to stdout and stderr; let it say less",
+                "it wrote more than {} MB to stdout and stderr; reduce its output",
                 self.log_bytes >> 20
             )));
         }
@@ -64,7 +64,7 @@ impl Limits {
     }
 }
 
-/// Bytes of the files in a folder, links not followed; more than `most` where there are more files than `files`.
+/// Returns the total size of files in a folder, bytes, without following links; more than `most` for more than `files` files.
 fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
     let mut sum = 0;
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -85,16 +85,16 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
     sum
 }
 
-/// Output of a solver.
+/// Collected output of a solver.
 #[derive(Default)]
 pub struct SolverLog {
     pub bytes: u64,
-    /// The lines under way on stdout and on stderr.
+    /// Incomplete lines of stdout and of stderr.
     pub lines: [Vec<u8>; 2],
     /// Time that the solver reported, s.
     pub reached_s: Option<f64>,
     pub notes: Vec<String>,
-    /// Returns the last line that is neither a progress line nor empty.
+    /// Last line that is neither a progress line nor empty.
     last: Vec<u8>,
 }
 
@@ -102,7 +102,7 @@ impl SolverLog {
     pub fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
         let mut bytes = piece.bytes.as_slice();
-        // Only the last line of stdout may count, so a flood of output is cut to one line.
+        // Only the last line of stdout may be used, so a flood of output is cut to one line.
         if !piece.stderr && bytes.len() > LINE {
             bytes = &bytes[bytes.len() - LINE..];
             self.lines[0].clear();
@@ -117,7 +117,7 @@ impl SolverLog {
         }
     }
 
-    /// Orders are understood on stderr alone.
+    /// Interprets the completed line; only stderr may have commands.
     fn understand(&mut self, stderr: bool) {
         let line = std::mem::take(&mut self.lines[usize::from(stderr)]);
         let text = String::from_utf8_lossy(&line);
@@ -135,7 +135,7 @@ impl SolverLog {
         }
     }
 
-    /// Returns the last message of a program that has ended.
+    /// Returns the final message of a program that has ended.
     pub fn last(&mut self) -> Option<String> {
         self.understand(false);
         self.understand(true);
@@ -144,7 +144,7 @@ impl SolverLog {
     }
 }
 
-/// Foreign text for a terminal and a page: one line, no control characters, not too long.
+/// Converts a foreign text for terminal and page: one line, no control characters, limited length.
 pub fn plain(text: &str, most: usize) -> String {
     let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     let cut: String = shown.take(most).collect();

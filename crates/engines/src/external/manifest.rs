@@ -1,4 +1,4 @@
-//! The manifest of a solver (`solver.toml`): who it is, how it is started, and what it can do.
+//! Manifest of a solver (`solver.toml`): identity, start command and capabilities.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::env::variable;
 use crate::info::{EngineInfo, Refinement, family};
 use crate::known::{info, known};
 
-/// Longest run that a manifest may ask for, s.
+/// Longest time limit in a manifest, s.
 const LONGEST_S: f64 = 86_400.0;
 /// Placeholders in a command for values that are known only when the command runs.
 pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
@@ -22,13 +22,13 @@ pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
-    /// Version of the job files and exit statuses that the solver speaks.
+    /// Version of the protocol (job files and exit statuses) of the solver.
     pub protocol: u64,
     /// Name as users type it: small letters, digits and `-`.
     pub name: String,
     /// Version of the solver.
     pub version: String,
-    /// `shared-law`: contact forces from our library; `own-contact`: its own.
+    /// `shared-law`: contact forces from Pinwheel's library; `own-contact`: its own.
     pub track: SharedModel,
     /// Description in one line.
     pub summary: String,
@@ -37,16 +37,16 @@ pub struct Manifest {
     pub differences: String,
     /// Program and arguments, without a shell. `{here}`, `{job}`, `{law}` and `{python}` are replaced.
     pub command: Vec<String>,
-    /// Command that builds the program, for the message that it is missing.
+    /// Command that builds the program, for the message if it is missing.
     #[serde(default)]
     pub build: Option<String>,
-    /// A run is ended after this wall time, s.
+    /// Wall time limit of a run, s.
     #[serde(default = "five_minutes")]
     pub timeout_s: f64,
-    /// Abilities of the solver.
+    /// Capabilities of the solver.
     #[serde(default)]
     pub honours: Honours,
-    /// Setting that makes the solver more accurate.
+    /// Setting that controls the solver's accuracy.
     #[serde(default)]
     pub refine: Option<Refinement>,
     /// Known difference between the solver's model and the native one, per quantity.
@@ -54,19 +54,19 @@ pub struct Manifest {
     pub model: BTreeMap<String, Stated>,
 }
 
-/// Abilities of a solver; a scene that needs more is refused before it starts.
+/// Capabilities of a solver; a scene that needs more is refused before the start.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Honours {
-    /// Contact laws, in whose names `*` stands for any characters.
+    /// Names of contact laws, in which `*` stands for any characters.
     pub laws: Vec<String>,
-    /// Scenes with a friction coefficient above 0.
+    /// Support of friction coefficients above 0.
     pub friction: bool,
-    /// Scenes whose load changes during the run.
+    /// Support of load changes during the run.
     pub load_changes: bool,
-    /// Scenes whose input's speed changes during the run.
+    /// Support of input speed changes during the run.
     pub speed_changes: bool,
-    /// Discs that float on elastic bearings: bodies whose carrier is -2.
+    /// Support of discs on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
 }
 
@@ -82,13 +82,13 @@ impl Default for Honours {
     }
 }
 
-/// A difference of the model that its author knows of.
+/// Known difference of the model, stated by its author.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stated {
-    /// Relative.
+    /// Relative tolerance.
     pub tolerance: f64,
-    /// Why.
+    /// Reason of the difference.
     pub reason: String,
 }
 
@@ -96,23 +96,23 @@ fn five_minutes() -> f64 {
     300.0
 }
 
-/// Example of a manifest that works.
+/// Place of a working example.
 const FORM: &str = "`pinwheel solver new --language c NAME` writes one that works";
 
 impl Manifest {
     /// Reads and checks a manifest.
     ///
     /// # Errors
-    /// A file that cannot be read, is no TOML, or says what cannot be.
+    /// A file that cannot be read, is not TOML, or has invalid values.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = read_text(path, "give the path of a solver's manifest (solver.toml)")?;
         Self::from_toml(&text, &path.display().to_string())
     }
 
-    /// Reads and checks a manifest's text; `path` is how messages name it.
+    /// Reads and checks a manifest's text; `path` is its name in messages.
     ///
     /// # Errors
-    /// No TOML, or it says what cannot be.
+    /// Not TOML, or invalid values.
     pub fn from_toml(text: &str, path: &str) -> Result<Self, FileError> {
         let manifest: Self = pinwheel_files::read(text, path, FORM)?;
         let checked = manifest.check();
@@ -120,10 +120,10 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Checks that a solver may have the name.
+    /// Checks the name of a solver.
     ///
     /// # Errors
-    /// Why not, with the remedy.
+    /// Reason of a refusal, with the remedy.
     pub fn is_name(name: &str) -> Result<(), String> {
         let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         let plain = name.len() <= 60
@@ -143,7 +143,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// Checks the manifest; an error holds the fault and the remedy.
+    /// Checks the manifest; an error states fault and remedy.
     fn check(&self) -> Result<(), Broken> {
         require(
             self.protocol == JOB_PROTOCOL,
@@ -190,13 +190,13 @@ impl Manifest {
             };
             require(
                 word.split('{').skip(1).all(is_place),
-                format!("{word:?} in command has a `{{` that stands for nothing"),
+                format!("{word:?} in command has a `{{` that begins no placeholder"),
                 "known are {here}, {job}, {law} and {python}",
             )?;
         }
         require(
             self.timeout_s > 0.0 && self.timeout_s <= LONGEST_S,
-            format!("timeout_s = {} is no time to wait", self.timeout_s),
+            format!("timeout_s = {} is no valid time limit", self.timeout_s),
             "write seconds, at most a day (86400)",
         )?;
         for law in &self.honours.laws {
@@ -229,13 +229,13 @@ impl Manifest {
         Ok(())
     }
 
-    /// True if the solver honours a contact law.
+    /// True if the solver supports a contact law.
     #[must_use]
     pub fn honours_law(&self, law: &str) -> bool {
         self.honours.laws.iter().any(|known| fits(known, law))
     }
 
-    /// Why it does not honour a scene.
+    /// Returns the reason why the solver does not support a scene.
     pub fn refuses(&self, scene: &Scene) -> Option<String> {
         let law = &scene.contact.law;
         if !self.honours_law(law) {
@@ -271,12 +271,12 @@ impl Manifest {
         None
     }
 
-    /// The command with its places filled in.
+    /// Returns the command with its placeholders replaced.
     pub fn argv(&self, known: &[(&str, &Path); 4]) -> Vec<std::ffi::OsString> {
         let fill = |word: &String| {
             let mut filled = std::ffi::OsString::new();
             let mut rest = word.as_str();
-            // Checked when it was read: every brace opens one of the places.
+            // Validated on reading: every brace opens a placeholder.
             while let Some((before, after)) = rest.split_once('{') {
                 let (place, after) = after.split_once('}').unwrap_or((after, ""));
                 filled.push(before);
@@ -298,7 +298,7 @@ impl Manifest {
     }
 }
 
-/// The interpreter that `{python}` means: `PINWHEEL_PYTHON`, else that of the active environment, else `python3`.
+/// Returns the interpreter for `{python}`: `PINWHEEL_PYTHON`, else that of the active environment, else `python3`.
 pub(super) fn python() -> PathBuf {
     let inside = if cfg!(windows) {
         "Scripts/python.exe"

@@ -1,11 +1,11 @@
-//! Solvers from outside as engines: a manifest says how to start one, a job folder holds the scene and takes the result.
+//! External solvers as engines: a manifest describes the start, a job folder contains scene and results.
 //!
 //! ```text
 //!  solver.toml ──read──> Solver (an Engine)
-//!  scene ──> job folder: scene.json ──command──> time_series.csv, result.json, exit status ──checked──> Run
+//!  scene ──> job folder: scene.json ──command──> courses.csv, result.json, exit status ──checked──> Run
 //! ```
-//! docs/solvers.md tells authors what they have to know. A manifest is a program that its user trusts, and is read only
-//! where the user names it. What the program writes is not trusted.
+//! docs/solvers.md is the guide for authors. A manifest is a program that its user trusts, and is read only if the user names
+//! it. Output of the program is not trusted.
 
 mod library;
 #[doc(hidden)] // for tests
@@ -36,17 +36,17 @@ pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 use result::{Found, JobFolder, Reply};
 use serde_json::Value;
 
-/// Exit status of a run whose numbers ran away.
+/// Exit status of a diverged run.
 const DIVERGED: i32 = 3;
-/// Exit status of a solver that does not honour a scene.
+/// Exit status of a solver that does not support a scene.
 const UNSUPPORTED: i32 = 4;
-/// Longest message.
+/// Longest message, characters.
 const MESSAGE: usize = 700;
-/// Size that the output of a run may have, bytes.
+/// Largest size of a run's output, bytes.
 const FOLDER_BYTES: u64 = 1 << 30;
 const LOG_BYTES: u64 = 64 << 20;
 
-/// A solver from outside.
+/// External solver.
 #[derive(Debug, Clone)]
 pub struct Solver {
     manifest: Manifest,
@@ -56,7 +56,7 @@ pub struct Solver {
     prefix: &'static str,
     /// Value of `{python}`, if it is not the user's interpreter.
     python: Option<PathBuf>,
-    /// Hash of the files of manifest and program, computed at the first request.
+    /// Hash of the files of manifest and program, computed on first use.
     build: OnceLock<String>,
     #[doc(hidden)]
     pub limits: Limits,
@@ -66,7 +66,7 @@ impl Solver {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// Returns the fault of the manifest.
+    /// Fault of the manifest.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let manifest = Manifest::read(path)?;
         let limits = Limits {
@@ -85,27 +85,27 @@ impl Solver {
         })
     }
 
-    /// Manifest of the solver.
+    /// Returns the manifest of the solver.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Limits the solver's time to `longest`, if that is sooner.
+    /// Reduces the solver's time limit to `longest`.
     #[must_use]
     pub fn within(mut self, longest: Duration) -> Self {
         self.limits.longest = self.limits.longest.min(longest);
         self
     }
 
-    /// Gives the solver's job folders names with a space, as a user's may have.
+    /// Uses names with a space for job folders, for tests.
     #[must_use]
     pub fn with_spaces(mut self) -> Self {
         self.prefix = "pinwheel job ";
         self
     }
 
-    /// Gives the solver an engine's name, with an interpreter for `{python}` if it needs its own.
+    /// Sets the engine's name, and an interpreter for `{python}` if the solver needs its own.
     #[cfg(feature = "crossval")]
     pub(crate) fn known_as(mut self, name: &str, python: Option<PathBuf>) -> Self {
         name.clone_into(&mut self.manifest.name);
@@ -113,7 +113,7 @@ impl Solver {
         self
     }
 
-    /// Returns the path of the law's library; an error only if the command needs it.
+    /// Returns the path of the law's library; fails only if the command needs it.
     fn library(&self) -> Result<Option<PathBuf>, Halt> {
         match law_library() {
             Ok(path) => Ok(Some(path)),
@@ -122,13 +122,13 @@ impl Solver {
         }
     }
 
-    /// Hash of the command and of every file that it names: the program, the script.
+    /// Returns the hash of the command and of every file named in it: program, script.
     fn hash(&self) -> u64 {
         let here = self.here.to_string_lossy();
         let mut hash = Fnv::default();
         for word in &self.manifest.command {
             hash.add_part(word.as_bytes());
-            // Where a word is `--input={here}/gear.dat`, the file begins behind the sign.
+            // In a word such as `--input={here}/gear.dat` the file begins after the sign.
             let word = word.replace("{here}", &here);
             let names = [
                 Some(word.as_str()),
@@ -143,7 +143,7 @@ impl Solver {
         hash.value()
     }
 
-    /// Runs the solver in a job folder that `fill` fills.
+    /// Runs the solver in a job folder with content by `fill`.
     fn drive(
         &self,
         gearbox: &Gearbox,
@@ -306,7 +306,7 @@ impl Solver {
         RunStats {
             wall_s: ended.wall_s,
             cpu_s: ended.cpu_s.or(reply.cpu_s).unwrap_or(ended.wall_s),
-            // A solver whose law is its own may open the library for the scene alone.
+            // A solver with its own law may open the library for the scene only.
             rhs_calls: folder.law_calls().unwrap_or(0).max(reply.right_hand_sides),
             steps: reply.steps,
             rejected_steps: reply.rejected_steps,
@@ -363,7 +363,7 @@ impl Engine for Solver {
     }
 }
 
-/// The variable that leads programs to libraries, and what leads them to `library` first.
+/// Returns the variable with the search path of libraries, and its value with `library` first.
 fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
     let variable = if cfg!(windows) {
         "PATH"
@@ -380,12 +380,12 @@ fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
     Some((variable, std::env::join_paths(paths).ok()?))
 }
 
-/// Returns the halt of a run that failed for this reason.
+/// Returns the halt of a run that failed with this reason.
 fn failed(reason: impl ToString) -> Halt {
     Ending::failed(plain(&reason.to_string(), MESSAGE)).into()
 }
 
-/// Name of the cause that ended a program from outside.
+/// Describes the external cause of a program's end.
 fn killer(status: std::process::ExitStatus) -> String {
     #[cfg(unix)]
     {
@@ -405,13 +405,13 @@ fn killer(status: std::process::ExitStatus) -> String {
     format!("the system ({status})")
 }
 
-/// Solvers that the user named. They are engines of this process like the built-in engines, until the process ends.
+/// Solvers named by the user, engines of this process like the built-in ones until it ends.
 static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 
-/// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.
+/// Reads a manifest and adds its solver to the [`registry`](fn@crate::registry). Returns its name.
 ///
 /// # Errors
-/// Returns the fault of the manifest, or that there is another solver of that name.
+/// Fault of the manifest, or another solver of that name.
 pub fn admit(path: &Path) -> Result<String, FileError> {
     let solver = Solver::open(path)?;
     let name = solver.manifest.name.clone();
@@ -423,19 +423,19 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
             "name each --solver once, and give them different names",
         ));
     }
-    // Its copies as engines know by then what it is built of.
+    // Computes the hash before the solver is copied.
     solver.build();
     admitted.push(Box::leak(Box::new(solver)));
     Ok(name)
 }
 
-/// Returns the solvers that joined, as engines.
+/// Returns the added solvers as engines.
 pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
     let solvers = joined().into_iter();
     solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
 }
 
-/// Returns the solvers that joined.
+/// Returns the added solvers.
 #[must_use]
 pub fn joined() -> Vec<&'static Solver> {
     ADMITTED

@@ -1,4 +1,4 @@
-//! Results that a solver left in its folder: read without trust, checked, and made a run.
+//! Results of a solver in its folder: read without trust, checked, and converted to a run.
 
 use std::fs::File;
 use std::io::{self, Read, Seek as _};
@@ -12,18 +12,18 @@ use pinwheel_scene::speed_profile;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Deserialize;
 
-/// Bytes of `result.json` and of the counts at most.
+/// Largest size of `result.json` and of the counts, bytes.
 const SMALL: u64 = 1 << 20;
-/// Bytes that a number may take in a CSV file, generously.
+/// Generous size of a number in a CSV file, bytes.
 const NUMBER: u64 = 64;
 
-/// Facts of its run that a solver may give.
+/// Facts of its run that a solver may provide.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub(super) struct Reply {
     pub(super) steps: u64,
     pub(super) rejected_steps: u64,
-    /// Evaluations of the contact forces; the library's own count stands above it.
+    /// Number of evaluations of the contact forces; the library's own count takes precedence.
     pub(super) right_hand_sides: u64,
     pub(super) degrees_of_freedom: usize,
     pub(super) joint_drift_m: Option<f64>,
@@ -32,16 +32,16 @@ pub(super) struct Reply {
     pub(super) notes: Vec<String>,
 }
 
-/// Time series, and why they end early if they do.
+/// Time series, with the reason of an early end.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     pub(super) time_series: TimeSeries,
-    /// Time and quantity at which the numbers ran away.
+    /// Time and quantity of the divergence.
     pub(super) diverged: Option<(f64, String)>,
     pub(super) notes: Vec<String>,
 }
 
-/// A folder that was opened before the solver ran: what stands in its place afterwards does not matter.
+/// Job folder opened before the solver's start, so that a later replacement has no effect.
 pub(super) struct JobFolder {
     #[cfg(unix)]
     handle: std::os::fd::OwnedFd,
@@ -65,7 +65,7 @@ impl JobFolder {
         })
     }
 
-    /// A file of the folder itself: no link, no pipe, no device, and not larger than `most`.
+    /// Opens a file in the folder itself: no link, pipe or device, and at most `most` bytes.
     fn file(&self, name: &str, most: u64) -> Result<Option<File>, String> {
         let file = match self.open_file(name) {
             Ok(file) => file,
@@ -102,7 +102,7 @@ impl JobFolder {
     #[cfg(unix)]
     fn open_file(&self, name: &str) -> io::Result<File> {
         use rustix::fs::{Mode, OFlags, openat};
-        // A pipe without a writer would be waited for.
+        // Opening a pipe without a writer would block.
         let how = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NOFOLLOW | OFlags::NONBLOCK;
         Ok(File::from(openat(&self.handle, name, how, Mode::empty())?))
     }
@@ -129,7 +129,7 @@ impl JobFolder {
             .map_err(|_| format!("{name} is not UTF-8 text"))
     }
 
-    /// Facts of the run that the solver gives; the default if it gives none.
+    /// Returns the facts provided by the solver; defaults if there are none.
     pub(super) fn reply(&self) -> Result<Reply, String> {
         let Some(text) = self.text(job::RESULT_FILE, SMALL)? else {
             return Ok(Reply::default());
@@ -142,7 +142,7 @@ impl JobFolder {
         Ok(reply)
     }
 
-    /// Number of force evaluations that the library counted, if the solver closed it.
+    /// Returns the number of force evaluations counted by the library, if the solver closed it.
     pub(super) fn law_calls(&self) -> Option<u64> {
         let text = self.text(CALLS_FILE, SMALL).ok()??;
         let mut sum: u64 = 0;
@@ -152,7 +152,7 @@ impl JobFolder {
         Some(sum)
     }
 
-    /// The time series, checked. `complete`: the solver says that it finished.
+    /// Reads and checks the time series. `complete`: the solver reported success.
     pub(super) fn time_series(&self, gearbox: &Gearbox, complete: bool) -> Result<Found, String> {
         let samples = gearbox.scene.solver.sample_times_s();
         let required = job::required(gearbox);
@@ -192,7 +192,7 @@ impl JobFolder {
     }
 }
 
-/// Returns true if the last byte of a text ends a line; it is read from its beginning afterwards.
+/// True if the text ends with a line break; the file is rewound afterwards.
 fn ends_its_lines(file: &mut File) -> bool {
     let mut last = [0];
     let read = file
@@ -201,11 +201,11 @@ fn ends_its_lines(file: &mut File) -> bool {
     read.is_ok() && file.rewind().is_ok() && matches!(last, [b'\n' | b'\r'])
 }
 
-/// Time series of as many rows as there are samples, and one more to tell that there are too many.
+/// Reads time series of as many rows as samples, and one more to detect surplus rows.
 #[cfg(feature = "parquet")]
 fn parquet_of(file: File, samples: usize) -> Result<TimeSeries, String> {
     let read = pinwheel_timeseries::read_time_series(file, samples + 1);
-    // Python's writers compress by default.
+    // Python's Parquet writers compress by default.
     read.map_err(|error| format!("{error}; write doubles, without compression"))
 }
 
@@ -217,10 +217,10 @@ fn parquet_of(_: File, _: usize) -> Result<TimeSeries, String> {
     ))
 }
 
-/// Share of a sampling step that a time may be off.
+/// Largest deviation of a time, as a share of the sampling step.
 const OFF: f64 = 1e-6;
 
-/// Columns, times, finiteness and signs.
+/// Checks columns, times, finiteness and signs.
 fn checked(
     gearbox: &Gearbox,
     read: &TimeSeries,
@@ -263,7 +263,7 @@ fn checked(
     let wanted =
         |name: &str| required.iter().any(|known| known == name) || channels.contains(&name);
     let kept: Vec<_> = read.channels().iter().filter(|c| wanted(&c.name)).collect();
-    // A solver may write its states always.
+    // States are permitted columns.
     let is_state = |name: &str| {
         FAMILIES
             .iter()
@@ -276,10 +276,10 @@ fn checked(
     let mut notes = Vec::new();
     if others > 0 {
         notes.push(format!(
-            "{others} columns that nobody asked for were left out."
+            "{others} columns that were not requested were left out."
         ));
     }
-    // The first row that is no number, or where the output left its mesh: what stands before it counts.
+    // Divergence: the first row that is not finite, or with the output off its mesh; earlier rows are kept.
     let mut diverged: Option<(usize, String)> = None;
     let mut ends_at = |row: usize, what: String| {
         if diverged.as_ref().is_none_or(|(first, _)| row < *first) {
@@ -332,7 +332,7 @@ fn checked(
     })
 }
 
-/// Checks the sign of the mean output torque against the mean load, over the second half of the samples, where both are clear.
+/// Checks the sign of the mean output torque against the mean load over the second half of the samples, if both are clear.
 fn signs(gearbox: &Gearbox, time_series: &TimeSeries) -> Result<(), String> {
     let times = time_series.time_s();
     let half = times.len() / 2;
@@ -346,7 +346,7 @@ fn signs(gearbox: &Gearbox, time_series: &TimeSeries) -> Result<(), String> {
         .map(|&t| gearbox.load_torque(t))
         .sum::<f64>()
         / count;
-    // A transient may swing by twice the load; a wrong sign stays one after many vibrations.
+    // A transient may oscillate by twice the load; a wrong sign persists over many oscillations.
     let clear = times.len() > 100 && mean.abs() > 0.7 * load.abs() && load != 0.0;
     if clear && mean * load > 0.0 && (mean / load - 1.0).abs() < 0.3 {
         return Err(format!(

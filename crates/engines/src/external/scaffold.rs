@@ -1,9 +1,9 @@
-//! Small solvers that work, to begin with: the examples of `examples/solvers` under a name of one's own.
+//! Small working solvers as templates: the examples of `examples/solvers` with another name.
 
 use std::path::Path;
 use std::{fs, io};
 
-/// An example in a language.
+/// Example in a language.
 #[derive(Debug, Clone, Copy)]
 pub struct Language {
     /// Name of the example and its folder.
@@ -35,14 +35,14 @@ pub static LANGUAGES: [(&str, &str, Language); 5] = languages! {
     "numpy" "Python with numpy, Runge-Kutta 4, contacts of its own": "numpy-contacts" "solver.py", false;
 };
 
-/// The header of the law library.
+/// Header of the law library.
 pub(crate) const HEADER: &str = include_str!(concat!(
     env!("PINWHEEL_SHIPPED"),
     "/crates/law/include/pinwheel_law.h"
 ));
 
 impl Language {
-    /// The files of a solver called `name`: their names and texts.
+    /// Returns names and texts of the files of a solver named `name`.
     #[must_use]
     pub fn files(self, name: &str) -> Vec<(&'static str, String)> {
         let example = format!("\"{}\"", self.example);
@@ -55,7 +55,7 @@ impl Language {
         files
     }
 
-    /// Writes the files of a solver called `name` into a folder that is there; gives their names.
+    /// Writes the files of a solver named `name` into an existing folder; returns their names.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -1,4 +1,4 @@
-//! Facts of the native solver in its three forms.
+//! Facts of the native solver's three engines.
 
 use pinwheel_timeseries::SharedModel;
 

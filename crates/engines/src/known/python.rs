@@ -55,7 +55,8 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
     feature: Some("crossval"),
     package: "exudyn",
     refinement: Some(Refinement::step(2.0)),
-    // Its Newton iterations end at a relative 1e-8, which adds up over steps: an RV gear in balance was off by 7e-8 at every step.
+    // Newton iterations end at a relative 1e-8, which adds up over steps: an RV gear in equilibrium had an error of 7e-8 at
+    // every step.
     floor: 1e-7,
     digits: 7,
     differences: "The closest relative of the published formulation: three coordinates a body, revolutes and \

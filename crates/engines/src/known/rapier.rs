@@ -1,4 +1,4 @@
-//! Facts of rapier2d as an engine, three ways.
+//! Facts of the three engines based on rapier2d.
 
 use pinwheel_timeseries::SharedModel;
 

@@ -14,7 +14,8 @@ pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
     feature: Some("crossval"),
     package: "simbody",
     refinement: Some(Refinement::tolerance(0.9)),
-    // Where samples, at which its steps end, set their length: at 1e-6 off by 5e-9 on a gear in balance, at every tolerance.
+    // For steps limited by samples, at which they end: an error of 5e-9 at a tolerance of 1e-6 on a gear in equilibrium, at
+    // every tolerance.
     shared_error: 0.02,
     differences: "A program in C++ of its own, which loads our contact law as a library. Every body turns on a pin relative \
         to its carrier, and Simbody's recursive equations give the accelerations; the input shaft follows a prescribed \
@@ -32,8 +33,8 @@ pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
     feature: Some("crossval"),
     package: "scikit-sundae",
     refinement: Some(Refinement::tolerance(0.7)),
-    // Its steps hang on rounding: at 1e-6 one processor's output angle is off by 1.7e-7, another's by 3.7e-7. Over kinks of a light
-    // gear its runs at 1e-3 and 1e-4 are both off by 1.9e-4, and within 4e-5 of each other.
+    // Steps depend on rounding: at 1e-6 the error of the output angle is 1.7e-7 on one processor, 3.7e-7 on another. Over kinks
+    // of a light gear the runs at 1e-3 and 1e-4 both have an error of 1.9e-4, and differ by 4e-5.
     shared_error: 2.0,
     digits: 8,
     differences: "The published formulation, three coordinates a body and a multiplier for every constraint, given to a \

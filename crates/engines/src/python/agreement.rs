@@ -1,4 +1,4 @@
-//! Our law against the package's own, written a second time from the paper's equations, at random states.
+//! Comparison of the contact law with the package's independent implementation of the paper's equations, at random states.
 
 use std::sync::atomic::AtomicBool;
 
@@ -17,32 +17,31 @@ use crate::engine::{Ending, Halt};
 pub struct Agreement {
     /// States compared.
     pub states: usize,
-    /// Number of states in which something touches.
+    /// Number of states with contact.
     pub loaded: usize,
     /// Largest force in any state, N.
     pub largest_n: f64,
-    /// Largest difference of any force over the largest force of its state; where nearly nothing touches, rounding
-    /// is all there is.
+    /// Largest difference of any force over the largest force of its state; near 0 force it is only rounding.
     pub worst_relative: f64,
     /// Largest difference of any force, N.
     pub worst_n: f64,
-    /// Largest difference of any force over what rounding of lengths and speeds explains in its state.
+    /// Largest difference of any force over the effect of rounding of lengths and speeds in its state.
     pub worst_over_rounding: f64,
-    /// Largest difference of any moment over (largest force of its state times the largest lever), relative.
+    /// Largest difference of any moment over the largest force of its state times the largest lever.
     pub worst_moment_relative: f64,
-    /// States left out because two points of a disc are equally near to within rounding (points detection).
+    /// States omitted because two points of a disc are equally near to within rounding (points detection).
     pub ambiguous: usize,
 }
 
 /// Compares both laws at `states` random states near the mesh.
 ///
 /// # Errors
-/// The scene has a law that only ours knows, or Python is missing or broke.
+/// The package does not have the scene's law, or Python is missing or failed.
 pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<Agreement, Halt> {
     host::ready(&AtomicBool::new(false))?;
     let gearbox = Gearbox::new(scene).map_err(Ending::failed)?;
     let law = Published::new(&gearbox)?;
-    // numpy does not look for the wall behind a contact.
+    // The numpy version does not compute the wall behind a contact.
     let mut walled = Scene::clone(scene);
     walled.contact.disc_depth_m =
         Some(law_parameters(scene).disc_depth).filter(|depth| *depth > 0.0);

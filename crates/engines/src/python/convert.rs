@@ -1,4 +1,4 @@
-//! Python's results and errors in the words of [`Engine`](crate::Engine).
+//! Conversion of Python's results and errors for [`Engine`](crate::Engine).
 
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 use pyo3::prelude::*;
@@ -8,7 +8,7 @@ use super::package::{package, text_of};
 use crate::control::Cancelled;
 use crate::engine::{Ending, Halt, Run, RunStats};
 
-/// A finished run, or the part of one, from the package's `Result`.
+/// Converts the package's `Result` to a run, finished or partial.
 pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
     let stats = result.getattr("stats")?;
     let of = |name: &str| stats.getattr(name);
@@ -32,7 +32,7 @@ pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
     })
 }
 
-/// TimeSeries from a dict of numpy columns, `time_s` among them.
+/// Converts a dict of numpy columns, with `time_s` among them, to time series.
 fn time_series(columns: &Bound<'_, PyAny>) -> PyResult<Result<TimeSeries, TimeSeriesError>> {
     let columns = columns.cast::<PyDict>()?;
     let each = columns.iter().map(|(name, values)| {
@@ -48,17 +48,17 @@ fn time_series(columns: &Bound<'_, PyAny>) -> PyResult<Result<TimeSeries, TimeSe
 /// Converts a Python error to a run that ended.
 ///
 /// # Errors
-/// The user asked to stop.
+/// A stop by the user.
 pub(super) fn ended(py: Python<'_>, error: &PyErr) -> Result<Run, Halt> {
     known(py, error).unwrap_or_else(|broken| Ok(Run::ended(Ending::failed(text_of(py, &broken)))))
 }
 
-/// Converts a Python error to the halt of a step that makes no time series.
+/// Converts a Python error to the halt of a step without time series.
 pub(super) fn halt(py: Python<'_>, error: &PyErr) -> Halt {
     ended(py, error).map_or_else(|halt| halt, |run| run.ending.into())
 }
 
-/// Converts a Python error like [`ended`]; the outer error came up on the way.
+/// Converts a Python error like [`ended`]; the outer error is one of the conversion.
 fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
     let errors = package(py)?.getattr("errors")?;
     let value = error.value(py);

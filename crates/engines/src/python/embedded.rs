@@ -1,8 +1,7 @@
-//! The embedded interpreter with the package `pinwheel_engines` loaded, once per process.
+//! Embedded interpreter with the package `pinwheel_engines`, loaded once a process.
 //!
-//! Python is started without signal handlers, so Ctrl-C stays the program's own. Its search path
-//! begins with our copy of the package and the environment's packages, so that nothing the user has
-//! installed elsewhere takes their place.
+//! Python starts without signal handlers, so Ctrl-C remains the program's. The search path begins with the embedded copy of
+//! the package and the environment's packages, so that other installations cannot replace them.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -16,19 +15,19 @@ use super::pins::{LIST, installed, pins};
 use crate::cache::{self, Memo};
 use crate::engine::{Ending, Halt};
 
-/// The package's files: path below its folder, text.
+/// Files of the package: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
 static READY: Memo<()> = Memo::empty();
 
-/// Makes the environment if need be, starts Python and loads the package, once per process.
+/// Makes a missing environment, starts Python and loads the package, once a process.
 ///
 /// # Errors
-/// Why that cannot be, with the remedy; a stop.
+/// The reason for the failure with the remedy; a stop.
 pub fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
-/// The environment is there, and the package cannot be loaded all the same. One that the user `named` is the user's to mend.
+/// Returns the ending for an environment whose package cannot be loaded. One that the user `named` is the user's to repair.
 pub fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {

@@ -1,4 +1,4 @@
-//! The Python engines behind the one trait.
+//! Python engines as [`Engine`].
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
 use crate::info::EngineInfo;
 use crate::refusals::pins_are_rigid;
 
-/// One engine of the package.
+/// Engine of the package.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PythonEngine(pub(super) &'static EngineInfo<'static>);
 
@@ -37,7 +37,7 @@ impl PythonEngine {
     }
 }
 
-/// The package's `LawPointer` to a law.
+/// Returns the package's `LawPointer` to a law.
 pub(super) fn pointer<'py>(
     package: &Bound<'py, PyModule>,
     published: &Published,
@@ -55,7 +55,7 @@ pub(super) fn pointer<'py>(
         .call1((ffi::law_address(), run, enter, leave))
 }
 
-/// Addresses and joints from the layout that the package hands over.
+/// Converts the package's layout to addresses and joints.
 fn layout(layout: &Bound<'_, PyAny>, bodies: usize) -> PyResult<(Addresses, Vec<Place>)> {
     let address = |name: &str| layout.get_item(name)?.extract::<usize>();
     let addresses = Addresses {
@@ -114,7 +114,7 @@ impl Engine for PythonEngine {
             return Err(Ending::unsupported(reason).into());
         }
         let mut gearbox = gearbox.clone();
-        // The law is ours: what the native solver can do, it can do.
+        // The law is the native solver's, so it supports the same scenes.
         if self.0.track != SharedModel::SharedLaw {
             pins_are_rigid(&gearbox.scene)?;
             let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
@@ -131,7 +131,7 @@ impl Engine for PythonEngine {
 }
 
 impl PythonEngine {
-    /// Checks that the package's engine honours the scene.
+    /// Checks that the package's engine supports the scene.
     fn check(&self, scene: &Scene) -> Result<(), Halt> {
         host::ready(crate::stopping::flag())?;
         let scene_toml = scene.to_toml();

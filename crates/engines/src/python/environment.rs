@@ -1,7 +1,7 @@
-//! The virtual environment of the Python engines: made at the first use, reused ever after.
+//! Virtual environment of the Python engines: made at first use and reused.
 //!
-//! It lives in the user's [cache folder](crate::cache) under a name that depends on the interpreter and on every
-//! pinned package, so that a change of either makes another one.
+//! It is in the user's [cache folder](crate::cache); its name depends on the interpreter and every pinned package, so a
+//! change of either makes another one.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -13,27 +13,27 @@ use crate::cache::{self, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
 use crate::env::variable;
 
-/// Names a folder of wheels to install from, without a network.
+/// Variable with a folder of wheels for installation without a network.
 pub const WHEELS: &str = "PINWHEEL_WHEELS";
 
-/// Written last into an environment: its requirements.
+/// File with the requirements, written last into an environment.
 pub const MARKER: &str = "pinwheel-requirements.txt";
 
-/// Pinned and hashed packages.
+/// Pinned packages with hashes.
 #[derive(Debug, Clone, Copy)]
 pub struct Requirements {
-    /// Short name, part of the environment's.
+    /// Short name, part of the environment's name.
     pub name: &'static str,
     /// Path of the requirements file in the repository, for installation by hand.
     pub file: &'static str,
     /// Text of the requirements file, with hashes.
     pub text: &'static str,
-    /// The list is all that is installed, whatever its packages ask for besides: it leaves out what is never imported.
+    /// True if only listed packages are installed, without their other dependencies, which are never imported.
     pub only_listed: bool,
 }
 
 impl Requirements {
-    /// pip's arguments that name the packages.
+    /// Returns pip's arguments for the packages.
     fn arguments(&self, list: &Path) -> Vec<OsString> {
         let mut arguments: Vec<OsString> = vec!["--require-hashes".into()];
         if self.only_listed {
@@ -55,7 +55,7 @@ pub const ENGINES: Requirements = Requirements {
     )),
 };
 
-/// A Python environment that is ready for use.
+/// Environment ready for use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
     /// Folder of the environment.
@@ -90,7 +90,7 @@ impl Requirements {
 /// The environment with the given packages, made if need be; `ENVIRONMENT` and `WHEELS` are heeded.
 ///
 /// # Errors
-/// Why there is none, with the remedy; a stop.
+/// The reason for the failure with the remedy; a stop.
 pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<Environment, Halt> {
     let interpreter = interpreter()?;
     if let Some(folder) = variable(ENVIRONMENT) {
@@ -106,7 +106,7 @@ pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<En
     )
 }
 
-/// Returns the environment that the user named.
+/// Returns the environment named by the user.
 pub fn named(
     folder: &Path,
     interpreter: &Interpreter,
@@ -132,9 +132,9 @@ pub fn named(
     Ok(environment)
 }
 
-/// Asks an environment's interpreter for the folder of its packages, its version, and the packages (`name==version`) whose
-/// files are all unchanged. A file is unchanged if its length is; a file touched after the [`MARKER`] must also have the hash
-/// that pip recorded. Hashing every file would read 130 MB at every start.
+/// Queries an environment's interpreter for the folder of its packages, its version, and the packages (`name==version`)
+/// with unchanged files. A file is unchanged if its length is; a file newer than the [`MARKER`] must also have pip's
+/// recorded hash. Hashing every file would read 130 MB at every start.
 fn probe(folder: &Path, cancel: &AtomicBool) -> Result<(Environment, String, Vec<String>), String> {
     let python = python_of(folder);
     if !python.exists() {
@@ -173,7 +173,7 @@ for d in m.distributions(path=[p]):
     }
 }
 
-/// A requirement `name==version` with the name as the packaging standard compares names.
+/// Returns a requirement `name==version` with the name normalised by the packaging standard.
 fn plain(pin: &str) -> String {
     pin.to_lowercase().replace(['_', '.'], "-")
 }
@@ -198,12 +198,12 @@ pub fn ensure(
     made.once(cache, cancel)
 }
 
-/// Folder name of an environment: another interpreter or another list of packages has another.
+/// Returns the folder name of an environment, specific to interpreter and packages.
 pub fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
     let key = fingerprint(&[
         requirements.text,
         &interpreter.version,
-        // Two installations of one version may differ in their libraries.
+        // Two installations of one version may have different libraries.
         &interpreter
             .candidates
             .first()
@@ -215,7 +215,7 @@ pub fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String 
     )
 }
 
-/// A complete environment, or `None`: the marker says that pip ended well, and every package is still there.
+/// Returns a complete environment, or `None`: the marker shows that pip succeeded, and every package must still be there.
 pub fn whole(
     folder: &Path,
     requirements: Requirements,
@@ -235,7 +235,7 @@ pub fn whole(
         .then_some(environment)
 }
 
-/// The executable of the embedded interpreter.
+/// Returns the executable of the embedded interpreter.
 fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, Halt> {
     let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
     interpreter
@@ -253,7 +253,7 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         })
 }
 
-/// Makes and fills an environment; the marker comes last.
+/// Creates and fills an environment; the marker comes last.
 fn make(
     draft: &Path,
     executable: &Path,
@@ -298,7 +298,7 @@ fn make(
     fs::write(&marker, requirements.text).map_err(|error| storage(&marker, error))
 }
 
-/// The interpreter of an environment.
+/// Returns the interpreter of an environment.
 fn python_of(folder: &Path) -> PathBuf {
     if cfg!(windows) {
         folder.join("Scripts").join("python.exe")

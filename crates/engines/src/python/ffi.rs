@@ -1,20 +1,19 @@
-//! The border: C functions through which engines call our law. All `unsafe` of the project's own
-//! is in this file.
+//! Boundary of C functions by which engines call the contact law. All `unsafe` of the Python engines is in this file.
 //!
 //! Contract of [`law`] (engines call it from any thread, one at a time for each context):
 //! - `context` is the number of a [`Published`](super::published::Published) law, not an address;
-//! - for a number that was ever handed out, `states` points to 6 and `loads` to 3 doubles for each body
-//!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call, or is null;
-//!   that holds for stale numbers too, whose law is gone: their loads become NaN;
-//! - with a number that never was, or a null address, the call does nothing;
-//! - neither address is kept.
+//! - for a number of any present or earlier law, `states` points to 6 and `loads` to 3 doubles for each body of its scene,
+//!   aligned, not overlapping, alive and not otherwise used for the time of the call, or is null; loads of an earlier law
+//!   become NaN;
+//! - with an unknown number, or a null address, the call does nothing;
+//! - neither address is stored.
 //!
 //! Contract of [`passive`] (MuJoCo's `mjcb_passive`, on the thread that steps `data`):
-//! - while a run with this `data` is attached, its [`Addresses`](super::mujoco::Addresses) are valid,
-//!   of the lengths given, aligned, apart from one another, and used by no other thread;
-//! - any other `data` is left alone, so a callback that comes too late does nothing.
+//! - while a run with this `data` is attached, its [`Addresses`](super::mujoco::Addresses) are valid, of the lengths given,
+//!   aligned, apart from one another, and used by no other thread;
+//! - any other `data` is not accessed, so a late callback does nothing.
 //!
-//! Neither lets a panic out: the answer is NaN then.
+//! Neither function lets a panic out: the answer is NaN then.
 
 #![allow(unsafe_code)]
 
@@ -25,7 +24,7 @@ use std::slice;
 use super::law::{find, locked};
 use super::mujoco::ATTACHED;
 
-/// Evaluates the law behind `context`; NaN if it is gone.
+/// Evaluates the law of `context`; NaN if it is closed.
 ///
 /// # Safety
 /// See the module.
@@ -41,7 +40,7 @@ pub unsafe extern "C" fn law(
     if states.is_null() || loads.is_null() {
         return;
     }
-    // SAFETY: the number was handed out, so the contract gives both arrays their lengths.
+    // SAFETY: the number was issued, so the contract gives both arrays their lengths.
     let (states, loads) = unsafe {
         (
             slice::from_raw_parts(states, 6 * entry.bodies),

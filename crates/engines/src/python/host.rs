@@ -1,4 +1,4 @@
-//! The interpreter that engines run in, with the package `pinwheel_engines` loaded.
+//! Interpreter that runs engines, with the package `pinwheel_engines` loaded.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,11 +9,11 @@ use super::package::{package, text_of};
 use super::pins::{LIST, installed, pins};
 use crate::engine::{Ending, Halt};
 
-/// Set when Python has imported us and not we Python.
+/// True if Python imported this library; false if the program embeds Python.
 static HERE: AtomicBool = AtomicBool::new(false);
 
-/// Engines run in the interpreter that has loaded this library, with what its user has installed. For an extension
-/// module, at its start.
+/// Selects the interpreter that loaded this library, with its user's packages, for engines. Call at the start of an
+/// extension module.
 pub fn use_this_interpreter() {
     HERE.store(true, Ordering::Relaxed);
 }
@@ -22,7 +22,7 @@ fn is_here() -> bool {
     HERE.load(Ordering::Relaxed) || cfg!(not(feature = "crossval"))
 }
 
-/// Makes the interpreter ready to run engines.
+/// Prepares the interpreter for engines.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     if is_here() {
         return Python::attach(|py| {
@@ -40,9 +40,9 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     }
 }
 
-/// True if an engine of a package can run: an embedded interpreter gets the packages that it lacks, another has them or
-/// not. Recorded time series and limits belong to one version, so another one does not count. The answer is kept,
-/// because it takes a millisecond.
+/// True if engines of a package can run: an embedded interpreter installs missing packages, another may lack them. Recorded
+/// time series and limits apply to one version, so other versions do not count. The answer is cached, because it takes a
+/// millisecond.
 pub(super) fn has(package: &str) -> bool {
     static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
     if !is_here() {
@@ -58,7 +58,7 @@ pub(super) fn has(package: &str) -> bool {
         found.map(|(package, _)| package).collect()
     });
     let has = found.contains(&package);
-    // Two threads may both ask; waiting for one another with the interpreter's lock they might wait for ever.
+    // No lock: two threads that both compute this could deadlock with the interpreter's lock.
     let _ = FOUND.set(found);
     has
 }

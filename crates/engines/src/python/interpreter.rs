@@ -1,4 +1,4 @@
-//! The interpreter that this program embeds, and where its executable may be.
+//! Embedded interpreter and possible paths of its executable.
 
 use std::path::PathBuf;
 
@@ -7,13 +7,13 @@ use pyo3::prelude::*;
 use super::package::text_of;
 use crate::engine::{Ending, Halt};
 
-/// Names an existing environment, which is used as it is.
+/// Variable with an existing environment, used unchanged.
 pub const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 
-/// The interpreter whose library this program embeds.
+/// Interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
-    /// `3.11.7`
+    /// Version, e.g. `3.11.7`.
     pub version: String,
     /// Possible paths of the executable, most likely first.
     pub candidates: Vec<PathBuf>,

@@ -1,8 +1,7 @@
-//! Our contact law as engines see it: a number that stands for it for the time of a run.
+//! Contact law for engines, identified by a number for the time of a run.
 //!
-//! Engines keep a context, and may keep it too long. So the context is not an address but a number that
-//! is never used twice. A call with the number of a law that is gone returns NaN, which every engine's
-//! guard detects.
+//! Engines store a context, and may use it too late. It is therefore not an address but a number that is never reused. A
+//! call with the number of a closed law returns NaN, which every engine's guard detects.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,22 +14,22 @@ use pinwheel_law::Evaluator;
 
 use crate::engine::Ending;
 
-/// Law behind a number.
+/// Law of a number.
 pub struct Law {
-    /// Bodies of the scene; known also after the law is gone.
+    /// Number of bodies of the scene; valid also after closing.
     pub bodies: usize,
-    /// Number of calls over which MuJoCo gets the same loads: 1, except under the fault of frozen loads.
+    /// Number of calls over which MuJoCo gets the same loads: 1, except for the fault of frozen loads.
     pub every: u64,
     evaluator: Mutex<Option<Evaluator>>,
     calls: AtomicU64,
-    /// Factor by which faulty loads are too large.
+    /// Factor of faulty loads.
     fault: Option<f64>,
 }
 
-/// Calls before loads are faulty.
+/// Number of calls before loads are faulty.
 const SOUND_CALLS: u64 = 300;
 
-/// All laws so far. Laws that are gone stay in the list, so that a stale number is recognised.
+/// All laws so far. Closed laws stay in the list, so that a stale number is recognised.
 static LAWS: Handles<Law> = Handles::new();
 
 /// Locks data that are valid after a panic, too.
@@ -38,16 +37,16 @@ pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Law behind a number, or `None` if it was never handed out.
+/// Returns the law of a number, or `None` if it was never issued.
 pub fn find(number: usize) -> Option<Arc<Law>> {
     LAWS.find(std::ptr::without_provenance::<u8>(number))
 }
 
 impl Law {
-    /// Returns the law of a gearbox and the number that stands for it.
+    /// Registers the law of a gearbox; returns its number and the law.
     ///
     /// # Errors
-    /// The gearbox has none.
+    /// A gearbox without a law.
     pub fn open(gearbox: &Gearbox) -> Result<(usize, Arc<Self>), Ending> {
         let field = gearbox.contact_field().map_err(Ending::unsupported)?;
         let bodies = gearbox.layout.bodies();
@@ -67,12 +66,12 @@ impl Law {
         Ok((number, law))
     }
 
-    /// Drops the evaluator: loads are NaN from now on.
+    /// Drops the evaluator; loads are NaN from now on.
     pub fn close(&self) {
         locked(&self.evaluator).take();
     }
 
-    /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
+    /// Reads 6 numbers a body and writes 3 loads a body; NaN if closed, or after a panic.
     pub fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
         let evaluated = catch_unwind(AssertUnwindSafe(|| {
             let mut law = locked(&self.evaluator);

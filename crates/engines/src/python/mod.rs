@@ -1,9 +1,8 @@
-//! Engines that live in Python: exudyn and MuJoCo as peers, and solvers that users write.
+//! Engines in Python: exudyn and MuJoCo as peers, and solvers of users.
 //!
-//! The package `pinwheel_engines` (folder `python/`) holds the adapters; here are its host and the border over which our
-//! contact law reaches them. The interpreter is one that the program embeds, with an environment that it makes, or the
-//! one that has imported us. The
-//! law crosses compiled: no Python runs per step in MuJoCo, one user function per stage in exudyn.
+//! The package `pinwheel_engines` (folder `python/`) has the adapters; this module has their host and the boundary to the
+//! contact law. The interpreter is embedded with its own environment, or the one that imported this library. Calls of the
+//! law are compiled: no Python runs per step in MuJoCo, one user function per stage in exudyn.
 
 mod agreement;
 mod convert;
@@ -45,7 +44,7 @@ use crate::engine::Engine;
 use crate::info::EngineInfo;
 use engine::PythonEngine;
 
-/// An engine of the package `pinwheel_engines`; in an interpreter that is not ours only if that has what is behind it.
+/// Returns an engine of the package `pinwheel_engines`; `None` if the importing interpreter lacks its packages.
 pub(crate) fn engine(info: &'static EngineInfo<'static>) -> Option<Box<dyn Engine>> {
     host::has(info.package).then(|| Box::new(PythonEngine(info)) as Box<dyn Engine>)
 }

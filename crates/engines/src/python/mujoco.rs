@@ -1,7 +1,7 @@
-//! From MuJoCo's joint angles to body states, and from contact loads back to joint torques.
+//! Conversion of MuJoCo's joint angles to body states, and of contact loads to joint torques.
 //!
-//! Joint angles are relative to the carrier. A carried body's own torque acts on its carrier's
-//! joint as well, because that joint turns it, and its force acts there with the arm's lever.
+//! Joint angles are relative to the carrier. A carried body's own torque also acts on its carrier's joint, which turns it,
+//! and its force acts there with the arm's lever.
 
 use std::sync::{Arc, Mutex};
 
@@ -12,15 +12,15 @@ use super::law::{Law, locked};
 /// Joint coordinate of a body and position of the body on its carrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Index of its joint in MuJoCo's arrays.
+    /// Index of the body's joint in MuJoCo's arrays.
     pub coordinate: usize,
-    /// The body it sits on; `None`: the ground. Carriers stand on the ground themselves.
+    /// Carrying body; `None`: the ground. Carriers are on the ground themselves.
     pub carrier: Option<usize>,
     /// Centre of the body on the carrier, m.
     pub offset: [f64; 2],
 }
 
-/// Addresses of one run's numbers in MuJoCo, valid until it detaches.
+/// Addresses of a run's numbers in MuJoCo, valid until it detaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Addresses {
     /// Address of the mjData.
@@ -29,7 +29,7 @@ pub struct Addresses {
     pub qpos: usize,
     /// Joint rates.
     pub qvel: usize,
-    /// Joint torques, to be added to.
+    /// Joint torques, to which contacts are added.
     pub qfrc_passive: usize,
     /// Two 64-bit counters: evaluations, and evaluations at another state than the previous one.
     pub counters: usize,
@@ -38,7 +38,7 @@ pub struct Addresses {
 }
 
 impl Addresses {
-    /// True if each address can be one of doubles or of 64-bit counters: not null, and aligned.
+    /// True if each address is valid for doubles or 64-bit counters: not null, and aligned.
     pub fn are_sound(&self) -> bool {
         let Self {
             data,
@@ -55,7 +55,7 @@ impl Addresses {
     }
 }
 
-/// One run of MuJoCo under our law.
+/// Run of MuJoCo with the contact law.
 pub struct Attached {
     pub run: usize,
     pub addresses: Addresses,
@@ -72,15 +72,15 @@ pub struct Attached {
 /// Runs for which MuJoCo may call back. The callback is process-wide: the data passed to it identify the run.
 pub static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
 
-/// Lets MuJoCo call back for a run, in the place of an earlier one of the same law or the same data: freed memory is
-/// handed out again, and what had that address before is stale.
+/// Attaches a run for callbacks, and detaches earlier ones of the same law or data: freed memory is reused, so an earlier
+/// run at that address is stale.
 pub fn attach(run: Attached) {
     let mut attached = locked(&ATTACHED);
     attached.retain(|other| other.run != run.run && other.addresses.data != run.addresses.data);
     attached.push(run);
 }
 
-/// Forgets a run: its addresses are stale.
+/// Detaches a run, whose addresses are then stale.
 pub fn detach(run: usize) {
     locked(&ATTACHED).retain(|attached| attached.run != run);
 }
@@ -162,7 +162,8 @@ impl Attached {
     }
 }
 
-/// A body's arm on its carrier (or its place on the ground), m, in the ground frame, and the rate at which it turns.
+/// Returns a body's arm on its carrier (or its position on the ground), m, in the ground frame, and the rate at which it
+/// turns.
 fn arm(place: &Place, places: &[Place], q: &[f64], v: &[f64]) -> (Complex, f64) {
     let offset = Complex::new(place.offset[0], place.offset[1]);
     match place.carrier {

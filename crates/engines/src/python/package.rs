@@ -1,4 +1,4 @@
-//! The package `pinwheel_engines` and the text of its errors.
+//! Package `pinwheel_engines` and the text of its errors.
 
 use pyo3::prelude::*;
 use pyo3::types::PyModule;

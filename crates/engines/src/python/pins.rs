@@ -1,18 +1,18 @@
-//! The pinned packages of the Python engines, from the list of what we ask for.
+//! Pinned packages of the Python engines, from the list of requested ones.
 
 use pyo3::prelude::*;
 
-/// Packages that we request.
+/// List of requested packages.
 pub(super) const LIST: &str =
     include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/python/requirements.in"));
 
-/// The pins of a list: packages and versions.
+/// Returns packages and versions of a list.
 pub(super) fn pins(list: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
     let pins = list.lines().filter_map(|line| line.split_once("=="));
     pins.filter(|(package, _)| !package.starts_with('#'))
 }
 
-/// Name and version of a package as a list pins it.
+/// Returns name and version of a package in a list.
 pub(crate) fn pinned(list: &'static str, package: &str) -> String {
     let name = package.trim_end_matches("-core");
     let pin = pins(list).find(|(pinned, _)| *pinned == package);
@@ -22,14 +22,14 @@ pub(crate) fn pinned(list: &'static str, package: &str) -> String {
     )
 }
 
-/// Returns a package with its version as pip is asked for it; `None` if no engine of ours needs it.
+/// Returns a package with its version for pip; `None` if no engine of Pinwheel needs it.
 #[cfg(not(feature = "crossval"))]
 pub(crate) fn requirement(package: &str) -> Option<String> {
     let pin = pins(LIST).find(|(pinned, _)| *pinned == package);
     pin.map(|(package, version)| format!("{package}=={version}"))
 }
 
-/// The version of a package that Python finds.
+/// Returns the version of an installed package.
 pub(super) fn installed(py: Python<'_>, package: &str) -> PyResult<String> {
     let metadata = py.import("importlib.metadata")?;
     metadata.call_method1("version", (package,))?.extract()

@@ -1,4 +1,4 @@
-//! A law that engines can call for the time of a run.
+//! Law that engines can call for the time of a run.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::law::Law;
 use super::mujoco::detach;
 use crate::engine::Ending;
 
-/// A law that engines can call; stale from the moment this is dropped.
+/// Law that engines can call until it is dropped.
 pub struct Published {
     pub number: usize,
     pub law: Arc<Law>,
@@ -18,7 +18,7 @@ impl Published {
     /// Publishes the law of a gearbox.
     ///
     /// # Errors
-    /// The gearbox has none.
+    /// A gearbox without a law.
     pub fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
         let (number, law) = Law::open(gearbox)?;
         Ok(Self { number, law })
@@ -27,7 +27,7 @@ impl Published {
 
 impl Drop for Published {
     fn drop(&mut self) {
-        // However the run ended, by a panic too: MuJoCo may call no more.
+        // However the run ended, by a panic too, MuJoCo must not call any more.
         detach(self.number);
         self.law.close();
     }

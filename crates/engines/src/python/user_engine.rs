@@ -1,4 +1,4 @@
-//! A solver that a user wrote in Python, behind the one trait.
+//! Solver of a user in Python as [`Engine`](crate::Engine).
 //!
 //! ```text
 //!  drive(scene_toml, options) -> result        a Python callable
@@ -23,22 +23,22 @@ use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
 use crate::info::{EngineInfo, Refinement};
 
-/// A solver of the user's.
+/// Solver of the user.
 #[derive(Debug)]
 pub struct UserEngine {
-    /// Name as typed by users.
+    /// Name for users.
     pub name: String,
-    /// Track: the comparison to which the engine belongs.
+    /// Shared model, which selects the comparison of the engine.
     pub track: SharedModel,
-    /// Version; what it computes must not change under one version.
+    /// Version; results must not change within one.
     pub version: String,
-    /// One line.
+    /// Summary in one line.
     pub summary: String,
     /// Differences from the native solver.
     pub differences: String,
-    /// Order of convergence in `solver.step_s`; `None` where the step is its own.
+    /// Order of convergence in `solver.step_s`; `None` for steps of its own.
     pub order: Option<f64>,
-    /// The callable.
+    /// Callable that runs a scene.
     pub drive: Py<PyAny>,
     /// Last exception that is not one of the package's errors, for a caller that shows a traceback.
     pub raised: Arc<Mutex<Option<PyErr>>>,
@@ -62,7 +62,7 @@ impl UserEngine {
     }
 }
 
-/// The law as a Python function that works in the caller's arrays.
+/// Returns the law as a Python function on the caller's arrays.
 fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFunction>> {
     let law = Arc::clone(&law.law);
     let bodies = law.bodies;

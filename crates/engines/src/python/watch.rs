@@ -1,7 +1,7 @@
-//! A Python run on a thread of its own, with progress and cancellation on the caller's.
+//! Python run on its own thread, with progress and cancellation on the caller's.
 //!
-//! A Python object must not borrow from its maker, and [`Control`] is a borrow. So times go to the
-//! caller's thread through a channel, and its answer comes back.
+//! Python objects cannot borrow, and [`Control`] is a borrow. So times go to the caller's thread through a channel, and its
+//! answer comes back.
 
 use std::panic::resume_unwind;
 use std::sync::Mutex;
@@ -19,21 +19,21 @@ use super::published::Published;
 use crate::control::Control;
 use crate::engine::{Ending, Halt, Run};
 
-/// Enough for deep C++ recursion and Python's own.
+/// Stack size of the thread, bytes, for deep recursion of C++ and Python.
 const STACK_BYTES: usize = 64 << 20;
 
-/// Message of a run to the caller's thread: the time reached, s, and the CPU time of the run's thread; `None` when the run is
-/// over, also by a panic. Without it the end would be missed, for Python may keep the other sender alive.
+/// Message of a run to the caller's thread: the time reached, s, and the CPU time of the run's thread; `None` at the end of
+/// the run, also by a panic. The explicit end is necessary because Python may keep the other sender alive.
 type Message = Option<(f64, Duration)>;
 
-/// A run's way to its caller.
+/// Channels of a run to its caller.
 struct Watch {
     tell: SyncSender<Message>,
     hear: Receiver<bool>,
 }
 
 impl Watch {
-    /// The Python function `on_progress(time_s) -> stop`.
+    /// Returns the Python function `on_progress(time_s) -> stop`.
     fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyCFunction>> {
         let line = Mutex::new(self);
         PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<bool> {
@@ -48,7 +48,7 @@ impl Watch {
     }
 }
 
-/// Says that the run is over however it ends.
+/// Sends the end of a run on drop.
 struct End(SyncSender<Message>);
 
 impl Drop for End {
@@ -57,8 +57,8 @@ impl Drop for End {
     }
 }
 
-/// Runs a Python solver on the scene of `gearbox`: `call` gets the options that all have, `on_progress` and
-/// `initial_states`, and the law, which is gone afterwards. Also gives what Python raised.
+/// Runs a Python solver on the scene of `gearbox`: `call` gets the common options, `on_progress` and `initial_states`, and
+/// the law, which is closed afterwards. Also returns an exception of Python.
 pub(super) fn hosted(
     gearbox: &Gearbox,
     control: &Control<'_>,
@@ -66,7 +66,7 @@ pub(super) fn hosted(
     call: impl for<'py> FnOnce(&Bound<'py, PyDict>, Option<&Published>) -> PyResult<Bound<'py, PyAny>>
     + Send,
 ) -> (Result<Run, Halt>, Option<PyErr>) {
-    // One start for all engines: they differ in how they go on.
+    // Equal start states for all engines.
     let states = gearbox.initial_states();
     let start: Vec<[f64; 6]> = states.iter().map(pinwheel_law::numbers).collect();
     let ran = watched(control, |watch| {
@@ -83,15 +83,15 @@ pub(super) fn hosted(
             }
         })
     });
-    // Whatever Python did or left undone: no callback may reach this run any more.
+    // No callback may reach this run any more, whatever Python did.
     drop(law);
     ran.unwrap_or_else(|error| (Ok(Run::ended(Ending::failed(error))), None))
 }
 
-/// Runs `work` on a thread of its own; `control` is asked at every time that `work` reports.
+/// Runs `work` on its own thread; checks `control` at every time that `work` reports.
 ///
 /// # Errors
-/// The system has no thread left.
+/// No thread available.
 fn watched<T: Send>(
     control: &Control<'_>,
     work: impl FnOnce(Watch) -> T + Send,
@@ -115,7 +115,7 @@ fn watched<T: Send>(
                 break;
             }
         }
-        // A worker that still reports gets the answer to stop.
+        // A worker that still reports is answered with a stop.
         drop((told, answer));
         worker.join().or_else(|panic| resume_unwind(panic))
     })

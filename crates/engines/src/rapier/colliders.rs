@@ -1,5 +1,5 @@
-//! rapier all by itself: polyline discs and holes, round pins, its own collision detection,
-//! its own contact spring and its own Coulomb friction.
+//! rapier with its own contacts: polyline discs and holes, round pins, its own collision detection, contact spring and Coulomb
+//! friction.
 
 use std::ops::Range;
 
@@ -22,28 +22,28 @@ use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::refusals::pins_are_rigid;
 use crate::spring::{contact_spring, spring_load};
 
-/// Points of a disc's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
-/// 0.8 % with 103 points a lobe, against 267.
+/// Number of points of a disc's edge, and fewest of a lobe: on a gear of 39 lobes 103 points per lobe change the mean forces by
+/// 0.8 % against 267.
 pub const EDGE_POINTS: usize = 4000;
 const LOBE_POINTS: usize = 100;
-/// Most points of an edge: a finer outline costs more than it shows.
+/// Largest number of points of an edge: a finer outline costs more than it improves.
 const MOST_POINTS: usize = 16_000;
-/// Fewest and most points of a hole's edge: with the former chords are 0.3 micrometres deep in a hole of 8.8 mm.
+/// Fewest and most points of a hole's edge: with the fewest, chords are 0.3 micrometres deep in a hole of 8.8 mm.
 pub const HOLE_POINTS: usize = 400;
 const MOST_HOLE_POINTS: usize = 4000;
 /// Target and largest distance between an outline and its curve, as shares of the depth of contacts.
 const SAG: f64 = 0.01;
 const MOST_SAG: f64 = 0.05;
 
-/// Gauss-Seidel sweeps a step, as in the contact hook.
+/// Gauss-Seidel sweeps per step, as in the contact hook.
 const SWEEPS: usize = 20;
 
-/// Longest step, s, and fewest steps in a turn of the input. The spring is implicit, and only means are
-/// compared: five times finer steps change the means by less than 0.05 %.
+/// Longest step, s, and fewest steps in a turn of the input. The spring is implicit, and only means are compared: five times
+/// finer steps change the means by less than 0.05 %.
 const LONGEST_STEP_S: f64 = 1e-4;
 const STEPS_PER_TURN: f64 = 1200.0;
-/// Most periods of the contact spring in a step: beyond one, the implicit spring yields before it pushes back (a gear
-/// of 3 mm in plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
+/// Largest number of periods of the contact spring in a step: beyond one, the implicit spring is too soft (a gear of 3 mm in
+/// plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
 const PERIODS: f64 = 0.5;
 
 pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
@@ -81,7 +81,7 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             sleeve.moment_kg_m2 *= kg / sleeve.mass_kg;
             sleeve.mass_kg = kg;
         }
-        // Only this engine sees the scene, whose other values were checked.
+        // Only this engine uses the changed scene; its other values were checked.
         gearbox = Gearbox::new(&CheckedScene::unchecked(lighter)).map_err(Ending::unsupported)?;
     }
     Ok(prepared(gearbox, move |gearbox, control| {
@@ -91,7 +91,7 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
         let [external, internal] = spring.stiffness_n_m;
         let masses = match spring.masses_kg {
             Some(_) => "sleeves' masses that make both stages right",
-            None => "the scene's masses, right in the mean of both stages",
+            None => "the scene's masses, exact for the mean of both stages",
         };
         let settings = format!(
             "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a disc, {} a hole; contact \
@@ -99,14 +99,14 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             corners.wheel, corners.hole
         );
         let mut run = march(gearbox, world, &mut contacts, &grid, settings, control)?;
-        // Its contact law is not ours.
+        // The native law is not evaluated.
         run.stats.rhs_calls = 0;
         run.stats.notes = notes(gearbox, &grid);
         Ok(run)
     }))
 }
 
-/// Remarks for the reader.
+/// Returns remarks for the reader.
 fn notes(gearbox: &Gearbox, grid: &Grid) -> Vec<String> {
     let mut notes = vec![format!(
         "Steps of {} s of its own choice instead of solver.step_s; its contact law is not the scene's, so no \
@@ -124,7 +124,7 @@ fn notes(gearbox: &Gearbox, grid: &Grid) -> Vec<String> {
     notes
 }
 
-/// Corners of outlines.
+/// Numbers of corners of outlines.
 #[derive(Debug, Clone, Copy)]
 pub struct Corners {
     pub wheel: usize,
@@ -132,15 +132,15 @@ pub struct Corners {
 }
 
 impl Corners {
-    /// Chooses the numbers of corners so that outlines miss their curves by a hundredth of the contact depth. The depth is
-    /// that of springs of `stiffness_n_m` (external, internal, N/m) under the static load.
+    /// Selects the numbers of corners for outlines within a hundredth of the contact depth. The depth is that of springs of
+    /// `stiffness_n_m` (external, internal, N/m) under the static load.
     pub fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
         let gear = &scene.gear;
         let torque = Scales::of(scene).wheel_torque_n_m;
         let forces = [external_force(gear, torque), internal_force(gear, torque)];
         let depth = |stage: usize| forces[stage] / stiffness_n_m[stage];
         let fewest = EDGE_POINTS.max(LOBE_POINTS * gear.lobes());
-        // Without a load contacts have no depth that an outline could miss.
+        // Without a load contacts have no depth.
         if load_profile::largest(&scene.drive) == 0.0 {
             return Ok(Self {
                 wheel: fewest,
@@ -157,14 +157,14 @@ impl Corners {
                 depth(0)
             ));
         }
-        // Chords of a circle of radius r over an angle a miss it by r a^2/8.
+        // The sagitta of a chord over an angle a of a circle of radius r is r a^2/8.
         let hole = std::f64::consts::TAU * (gear.hole_radius_m / (8.0 * SAG * depth(1))).sqrt();
         let hole = (hole.ceil().min(MOST_HOLE_POINTS as f64) as usize).max(HOLE_POINTS);
         Ok(Self { wheel, hole })
     }
 }
 
-/// The longest allowed step that divides the sampling step; `frequency` of the contact spring, Hz.
+/// Returns the longest permitted step that divides the sampling step; `frequency` of the contact spring, Hz.
 fn step_s(scene: &Scene, frequency: f64) -> f64 {
     let turn_s = std::f64::consts::TAU / speed_profile::fastest_rad_s(&scene.drive).abs();
     let longest = LONGEST_STEP_S
@@ -174,7 +174,7 @@ fn step_s(scene: &Scene, frequency: f64) -> f64 {
     sample_s / (sample_s / longest * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
-/// A collider on a disc and the pin it meets.
+/// Collider on a disc and the pin that it meets.
 struct Meeting {
     edge: ColliderHandle,
     ball: ColliderHandle,
@@ -182,7 +182,7 @@ struct Meeting {
     sleeve: Sleeve,
 }
 
-/// The colliders.
+/// Colliders with their step and pairs.
 struct Solid {
     step_s: f64,
     meetings: Vec<Meeting>,
@@ -198,7 +198,7 @@ impl Solid {
     fn new(gearbox: &Gearbox, world: &mut World, step_s: f64, corners: Corners) -> Self {
         let (layout, gear, geometry) = (gearbox.layout, &gearbox.scene.gear, &gearbox.geometry);
         let friction = gearbox.scene.contact.friction_coefficient;
-        // The tag of a hole and of its pin is the pin's number.
+        // Hole and pin have the pin's number as their tag.
         let mut add =
             |shape: ColliderBuilder, body: usize, own: Group, other: Group, tag: usize| {
                 let collider = shape
@@ -242,7 +242,8 @@ impl Solid {
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
                 let centre = if gear.errors.is_none() {
-                    // At t = 0 a hole has the place about its disc's centre that its pin has about
+                    // At t = 0 a hole's position relative to its disc is that of its pin relative to the output's centre, the
+                    // origin.
                     // the output's centre, the origin.
                     let wheel = BodyState {
                         angle: starts[body].angle,
@@ -302,7 +303,7 @@ impl Contacts for Solid {
 }
 
 impl Meeting {
-    /// Visits the impulses of the last step: the magnitude of the normal one, and the total on the pin.
+    /// Visits the impulses of the last step: magnitude of the normal one, and total on the pin.
     fn impulses(&self, world: &World, visit: &mut dyn FnMut(f64, Vector)) {
         let contacts = world
             .physics
@@ -329,8 +330,8 @@ impl Meeting {
     }
 }
 
-/// Contacts resolved by rapier itself, which only show which pairs press. rapier measures penetrations against polylines,
-/// and its stiffness belongs to no contact law, so neither is given.
+/// Contacts resolved by rapier itself, which provide only the list of pressing pairs. rapier's penetrations refer to polylines,
+/// and its stiffness to no contact law, so neither is given.
 struct Own<'a> {
     meetings: &'a [Meeting],
     world: &'a World,
@@ -358,11 +359,11 @@ impl PairSource for Own<'_> {
     }
 }
 
-/// Contact filter that keeps only the nearest of the segments that touch a pin: the other segments are the same contact.
+/// Contact filter that keeps only the nearest of the segments that touch a pin, because the others belong to the same contact.
 /// Pairs that do not touch are skipped: their boxes overlap with hundreds of segments each.
 struct Nearest;
 
-/// The edge of a pair, its polyline, and the pin.
+/// Returns the edge of a pair, its polyline, and the pin.
 fn edge_and_ball<'a>(
     first: &'a Collider,
     second: &'a Collider,
@@ -374,7 +375,7 @@ fn edge_and_ball<'a>(
     }
 }
 
-/// The pin's centre in the edge's frame.
+/// Returns the pin's centre in the edge's frame.
 fn centre(edge: &Collider, ball: &Collider) -> Vector {
     let centre = ball.position().translation;
     edge.position().inverse_transform_point(centre)
@@ -417,8 +418,7 @@ impl PhysicsHooks for Nearest {
             line.segment(segment % count)
                 .distance_to_local_point(centre, false)
         };
-        // Distances fall and rise again once along the contact; two segments that meet at the
-        // nearest point are equally near, and then the first counts.
+        // Distances have minima along the contact; of two equally near segments at a corner the first counts.
         let here = distance(segment);
         if distance(segment + count - 1) <= here || distance(segment + 1) < here {
             contact.solver_contacts.clear();

@@ -1,11 +1,10 @@
-//! Our normal force, rapier's contact solver: proxy colliders raise one contact per disc and
-//! pin, and a hook writes the exact point, normal and load into it.
+//! Pinwheel's normal force in rapier's contact solver: proxy colliders create one contact per disc and pin, and a hook writes
+//! exact point, normal and load into it.
 //!
-//! rapier's contact is a spring of stiffness k = m w^2 with m the pair's effective mass. Implicit
-//! in time, it gives the impulse h k (depth - h v) over a step. With w so small that (h w)^2 is
-//! negligible, the depth that carries F_n is huge, h v vanishes beside it, and the contact
-//! transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h, does the
-//! rest.
+//! rapier's contact is a spring of stiffness k = m w^2 with m the pair's effective mass. Implicit in time, it gives the impulse
+//! h k (depth - h v) over a step. With w so small that (h w)^2 is negligible, the depth for F_n is very large, h v is
+//! negligible beside it, and the contact transmits F_n h exactly. rapier's Coulomb friction, implicit and bounded by mu F_n h,
+//! completes the contact.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::channels::{PairSource, Visit};
@@ -20,17 +19,17 @@ use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::refusals::{pins_turn, wheels_are_held};
 
-/// Gauss-Seidel sweeps a step. Friction couples the pins through the shafts: in the driver
-/// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
+/// Gauss-Seidel sweeps per step. Friction couples the pins through the shafts: the error of the driver torque is 1.6e-2 with
+/// five, 1.0e-3 with ten, 8.9e-4 with twenty, 8.6e-4 with forty (mu = 0.1, steady, 1e-5 s).
 pub const SWEEPS: usize = 20;
 
-/// h w of the contact spring. The spring's own damping, m (h w)^2 v/h, is then about 1e-6 N, and
-/// the depth it asks for still leaves the contact point exact to 1e-12 m.
+/// Product h w of the contact spring. The spring's own damping, m (h w)^2 v/h, is then about 1e-6 N, and its depth leaves the
+/// contact point exact to 1e-12 m.
 const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 
-/// Contacts of less depth than this share of the circle of the ring pins are left out: rapier's own rounding, of
-/// coordinates of that size, could turn them into gaps, and it closes gaps with a rigid contact. In the paper's gear at
-/// 1e-5 s this is 1e-9 m and carries 3e-9 N.
+/// Least depth of contacts, as a share of the ring pins' circle radius. Rounding of rapier's coordinates of that size could
+/// turn shallower contacts into gaps, which it closes with a rigid contact. In the paper's gear at 1e-5 s the depth is 1e-9 m
+/// and carries 3e-9 N.
 const LEAST_DEPTH: f64 = 1.6e-8;
 
 pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
@@ -49,27 +48,27 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     }))
 }
 
-/// The table of pairs that our law fills and rapier's hook reads.
+/// Table of pairs that Pinwheel's law fills and rapier's hook reads.
 pub struct Hooked {
     layout: Layout,
     field: ContactField,
     friction: f64,
-    /// See [`LEAST_DEPTH`].
+    /// Least depth of a contact, m, by [`LEAST_DEPTH`].
     least_depth_m: f64,
     step_s: f64,
-    /// One per disc.
+    /// Collider of each disc.
     wheels: Vec<ColliderHandle>,
-    /// External, then output pins.
+    /// Colliders of the ring pins, then of the output pins.
     sleeves: Vec<ColliderHandle>,
-    /// At disc * pins + pin; `None` where nothing touches.
+    /// Loads at disc * pins + pin; `None` without contact.
     table: Vec<Option<Load>>,
 }
 
-/// One contact as the hook writes it.
+/// Contact as the hook writes it.
 #[derive(Clone, Copy)]
 struct Load {
     pair: PairContact,
-    /// Depth under which rapier's spring carries the force, m.
+    /// Depth at which rapier's spring carries the force, m.
     depth: f64,
 }
 
@@ -78,7 +77,7 @@ impl Hooked {
         let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
         world.contact_spring(STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU));
 
-        // A disc's proxy covers every pin wherever a run may take it: every pair always meets.
+        // A disc's proxy covers every pin at any position in a run, so that every pair meets.
         let reach = 2.0 * (gear.pitch_radius_m() + gear.backlash_m + gear.external_sleeve_radius_m);
         let (wheel, sleeve) = (Group::GROUP_1, Group::GROUP_2);
         let mut proxy = |body: usize, radius: f64, member: Group, filter: Group, tag: usize| {
@@ -128,7 +127,7 @@ impl Hooked {
         }
     }
 
-    /// A pair that touched in the last step with the forces of rapier's impulses.
+    /// Returns a pair that touched in the last step with the forces of rapier's impulses.
     fn with_forces(&self, world: &World, share: f64, pair: PairContact) -> PairContact {
         let per_impulse = 1.0 / (share * self.step_s);
         let sleeve = self.sleeves[sleeve_slot(self.layout, pair.sleeve)];
@@ -140,8 +139,8 @@ impl Hooked {
             .and_then(|contacts| contacts.manifolds().first())
             .filter(|manifold| !manifold.data.solver_contacts.is_empty())
             .and_then(|manifold| manifold.points.first());
-        // rapier's friction impulse is on the first body, along that body's normal force turned
-        // by 90 degrees: t on a disc, where the pin takes the opposite, or -t on a pin.
+        // rapier's friction impulse acts on the first body, along that body's normal force rotated by 90 degrees: t on a disc,
+        // with the opposite on the pin, or -t on a pin.
         let (normal, friction) = point.map_or((0.0, 0.0), |point| {
             (point.data.impulse, -point.data.tangent_impulse.x)
         });
@@ -153,7 +152,7 @@ impl Hooked {
     }
 }
 
-/// Contacts at a sample: our geometry, rapier's forces.
+/// Contacts at a sample: Pinwheel's geometry, rapier's forces.
 struct Transmitted<'a> {
     hooked: &'a mut Hooked,
     world: &'a World,
@@ -236,8 +235,7 @@ impl Contacts for Hooked {
     }
 }
 
-/// rapier's contacts know no force along the profile: that of laws which have one is a load, at the
-/// pin's centre.
+/// Adds the force of some laws along the profile, which rapier's contacts lack, as a load at the pin's centre.
 fn add_along_force(layout: Layout, now: &[BodyState], pair: &PairContact, loads: &mut [Wrench]) {
     let [nx, ny] = pair.normal;
     let (fx, fy) = (-pair.along_force_n * ny, pair.along_force_n * nx);
@@ -253,7 +251,7 @@ fn add_along_force(layout: Layout, now: &[BodyState], pair: &PairContact, loads:
     loads[wheel].moment -= (x - now[wheel].x) * fy - (y - now[wheel].y) * fx;
 }
 
-/// 1/m + (r x n)^2/I of a body at the contact point, 1/kg.
+/// Returns 1/m + (r x n)^2/I of a body at the contact point, 1/kg.
 fn inverse_mass_along(body: &RigidBody, pair: &PairContact) -> f64 {
     let at = body.translation();
     let lever = (pair.point[0] - at.x) * pair.normal[1] - (pair.point[1] - at.y) * pair.normal[0];
@@ -288,15 +286,15 @@ impl PhysicsHooks for Hook<'_> {
             contact.solver_contacts.clear();
             return;
         };
-        // rapier's normal points out of the first body: out of the disc it is -n.
+        // rapier's normal points out of the first body: -n out of a disc.
         let n = Vector::new(pair.normal[0], pair.normal[1]);
         let normal = if wheel_first { -n } else { n };
         *contact.normal = normal;
         *contact.friction = self.friction;
         *contact.restitution = 0.0;
         for solver in contact.solver_contacts.iter_mut() {
-            // rapier moves the first anchor by the depth along the normal and takes its lever arm
-            // to the middle of the two; half a depth before W, that middle is W.
+            // rapier moves the first anchor by the depth along the normal and uses the lever arm of the midpoint; half a depth
+            // before W, that midpoint is W.
             let anchor = Vector::new(pair.point[0], pair.point[1]) - 0.5 * depth * normal;
             solver.anchor1 = anchor;
             solver.anchor2 = anchor;

@@ -1,7 +1,7 @@
-//! The run common to the three engines: steps, samples, guards, cost.
+//! Run common to the three engines: steps, samples, guards, cost.
 //!
-//! A sample at t_n is taken after the step that leaves t_n, because only then the half-step
-//! velocities on both sides of it, and the impulses over it, are known.
+//! A sample at t_n is taken after the step from t_n, because only then the half-step velocities on both sides, and the impulses
+//! over it, are known.
 
 use std::time::Instant;
 
@@ -18,13 +18,13 @@ use super::world::World;
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Halt, Run, RunStats};
 
-/// Source of the contact forces, in which the engines differ.
+/// Source of the contact forces, which differs between the engines.
 pub trait Contacts {
-    /// Takes one step of `world` under contact forces and `loads` (so far the load torque alone).
-    /// `now`: the states at t_n, velocities extrapolated.
+    /// Takes one step of `world` under contact forces and `loads` (initially the load torque only). `now`: states at t_n with
+    /// extrapolated velocities.
     ///
     /// # Errors
-    /// Returns the quantity that ran away.
+    /// Quantity that diverged.
     fn step(
         &mut self,
         world: &mut World,
@@ -32,28 +32,28 @@ pub trait Contacts {
         loads: &mut [Wrench],
     ) -> Result<(), String>;
 
-    /// Adds up the contact forces at t_n; asked right after the step from t_n. `now`: the states
-    /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
+    /// Sums the contact forces at t_n; called right after the step from t_n. `now`: states at t_n with centred velocities.
+    /// `share`: of the step, see [`World::share`].
     fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Evaluation);
 
-    /// Figures of single contacts at t_n, for channels; read where [`forces`](Self::forces) are.
+    /// Returns the figures of single contacts at t_n for channels, at the time of [`forces`](Self::forces).
     fn pair_source<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
 }
 
-/// Steps on the scene's sample grid.
+/// Grid of steps with the scene's samples.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// h, s.
+    /// Step h, s.
     pub step_s: f64,
     /// Node number and time of every sample.
     pub samples: Vec<(u64, f64)>,
 }
 
 impl Grid {
-    /// Nodes at multiples of `step_s`, every sample on a node.
+    /// Creates a grid with nodes at multiples of `step_s`, and every sample on a node.
     ///
     /// # Errors
-    /// In words, with the remedy, if `step_s` divides the sampling step or the duration unevenly.
+    /// Message with the remedy, if `step_s` does not divide the sampling step or the duration.
     pub fn new(scene: &Scene, step_s: f64) -> Result<Self, Ending> {
         let solver = &scene.solver;
         let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
@@ -81,7 +81,7 @@ impl Grid {
     }
 }
 
-/// Refuses friction laws that rapier's own friction cannot honour.
+/// Refuses friction laws that rapier's own friction does not support.
 pub fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     let contact = &scene.contact;
     if contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised {
@@ -92,10 +92,10 @@ pub fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     Ok(())
 }
 
-/// Marches `contacts` over the grid, which ask our contact law once a step; `settings` in words.
+/// Advances `contacts` over the grid, with one evaluation of Pinwheel's law per step; `settings` in words.
 ///
 /// # Errors
-/// A stop, or a failure if the samples do not make time series. A divergence keeps the time series until then.
+/// A stop, or a failure if the samples give no time series. A divergence keeps the time series so far.
 pub fn march(
     gearbox: &Gearbox,
     mut world: World,
@@ -152,7 +152,7 @@ pub fn march(
                 recorder.record_channels(&mut Seen {
                     bodies: &now,
                     driver_torque_n_m,
-                    // Floating discs are carried by no joint, so their list of reactions is another.
+                    // Floating discs have no joint, so the list of reactions differs.
                     reactions: (!gearbox.floats()).then_some(&joints[..]),
                     contacts: contacts.pair_source(&world, share).as_mut(),
                 });
@@ -185,11 +185,10 @@ pub fn march(
     })
 }
 
-/// Load on the output shaft in the step from the node at `time_s`, N m.
+/// Returns the load on the output shaft in the step from the node at `time_s`, N m.
 ///
-/// The leapfrog's kick acts from half a step before the node to half a step after, the first one from the node on.
-/// A load that changes within it counts with its mean: the impulse is then exact and the method stays of second order,
-/// wherever in the step the change falls.
+/// The leapfrog's kick acts from half a step before the node to half a step after, the first one from the node on. A load that
+/// changes within it has its mean: the impulse is then exact and the method of second order, for a change anywhere in the step.
 fn load(gearbox: &Gearbox, time_s: f64, step_s: f64) -> f64 {
     let drive = &gearbox.scene.drive;
     if drive.load_changes.is_empty() {

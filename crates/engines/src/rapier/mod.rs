@@ -1,7 +1,7 @@
-//! rapier2d (double precision) as a peer, three ways.
+//! rapier2d (double precision) as a peer, in three engines.
 //!
-//! - `rapier-shared-law`: its bodies, joints and time integration under our contact forces;
-//! - `rapier-own-contact-hook`: our normal force, its implicit Coulomb friction;
+//! - `rapier-shared-law`: its bodies, joints and time integration under Pinwheel's contact forces;
+//! - `rapier-own-contact-hook`: Pinwheel's normal force, its implicit Coulomb friction;
 //! - `rapier-own-contact-colliders`: its own collision detection and contact spring.
 
 pub mod colliders;
@@ -19,13 +19,13 @@ use crate::engine::{Engine, Halt, Prepared};
 use crate::info::EngineInfo;
 use crate::known::rapier as facts;
 
-/// Engine on rapier: its description, and the function that prepares it.
+/// Engine based on rapier: its facts, and the function that prepares it.
 struct Rapier(
     &'static EngineInfo<'static>,
     fn(&Gearbox) -> Result<Prepared<'static>, Halt>,
 );
 
-/// Returns rapier as an engine; `None` if the facts are another's.
+/// Returns rapier as an engine; `None` if the facts belong to another engine.
 pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
     let all = [
         Rapier(&facts::SHARED_LAW, shared_law::prepare),

@@ -1,13 +1,13 @@
-//! Outlines of discs and holes as closed polylines, from the published formula alone (Eq. 1):
-//! the collider engine shares no contact geometry with the native solver.
+//! Outlines of discs and holes as closed polylines, from the published formula (Eq. 1): the collider engine shares no contact
+//! geometry with the native solver.
 
 use std::f64::consts::TAU;
 
 use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::{Rotation, Vector};
 
-/// About `count` points of a disc's edge, counter-clockwise, in the disc's frame, m: all chords miss the edge by as much
-/// ([`sag_of_corners`]), along each flank where flanks are turned.
+/// Returns about `count` points of a disc's edge, counter-clockwise, in the disc's frame, m, with equal sagitta of all chords
+/// ([`sag_of_corners`]), along each flank of rotated flanks.
 pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let turn = gear.modification.rotational_rad;
     let pitch = TAU / gear.lobes() as f64;
@@ -33,7 +33,7 @@ pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         let point = edge_point(a);
         point.y.atan2(point.x)
     };
-    // From the tip at 0 to the pit: the flank of a disc turned back by `turn`, up to the middle of tip and pit.
+    // From the tip at 0 to the pit: the flank of a disc rotated back by `turn`, up to the middle of tip and pit.
     let at = |angle: f64| {
         let (mut low, mut high) = (angle - half, angle + half);
         for _ in 0..60 {
@@ -74,24 +74,24 @@ pub fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
     (whole(gear) / count as f64).powi(2) / 8.0
 }
 
-/// Integral of `sqrt |kappa|` along the edge, m^0.5.
+/// Returns the integral of `sqrt |kappa|` along the edge, m^0.5.
 fn whole(gear: &Gear) -> f64 {
     let lobes = gear.lobes() as f64;
     let lobe = Lobe::new(gear, 0.0, TAU / lobes);
     lobes * lobe.weights.last().copied().unwrap_or_default()
 }
 
-/// Places on a stretch of the edge by `sqrt |kappa|`, at the ends of equal steps of the curve parameter.
+/// Points on a part of the edge, distributed by `sqrt |kappa|`, from equal steps of the curve parameter.
 struct Lobe {
     from: f64,
     step: f64,
-    /// Integrals from the stretch's beginning.
+    /// Integrals from the start of the part.
     weights: Vec<f64>,
 }
 
-/// Steps of a stretch.
+/// Steps of a part.
 const STEPS: usize = 2000;
-/// Least curvature that counts, as a share of one over the disc's radius: chords on straight pieces stay short.
+/// Least curvature for the distribution, in units of one over the disc's radius: it keeps chords on straight parts short.
 const LEAST_CURVATURE: f64 = 3.0;
 
 impl Lobe {
@@ -103,7 +103,7 @@ impl Lobe {
         let mut weights = vec![0.0];
         let mut sum = 0.0;
         for k in 0..STEPS {
-            // A circle through three points of the step.
+            // Circle through three points of the step.
             let k = k as f64;
             let [a, b, c] = [k, k + 0.5, k + 1.0].map(point);
             let (ab, bc, ac) = (b - a, c - b, c - a);
@@ -119,7 +119,7 @@ impl Lobe {
         }
     }
 
-    /// The curve parameter up to which this share of the stretch's weight lies.
+    /// Returns the curve parameter up to which this share of the part's weight lies.
     fn parameter(&self, share: f64) -> f64 {
         let wanted = share * self.weights[STEPS];
         let after = self
@@ -132,7 +132,7 @@ impl Lobe {
     }
 }
 
-/// Returns the edge as a function of the curve parameter; only an offset takes the geometry of others.
+/// Returns the edge as a function of the curve parameter; only an offset uses the native geometry.
 fn edge(gear: &Gear) -> Box<dyn Fn(f64) -> Vector + '_> {
     if gear.modification.normal_m.is_none() {
         return Box::new(|a| formula(gear, a));
@@ -141,7 +141,7 @@ fn edge(gear: &Gear) -> Box<dyn Fn(f64) -> Vector + '_> {
     Box::new(move |a| Vector::from(edge(a)))
 }
 
-/// Eq. 1 with the modified radii: the edge at the curve parameter `a`.
+/// Returns the edge at the curve parameter `a` by Eq. 1 with the modified radii.
 fn formula(gear: &Gear, a: f64) -> Vector {
     let (radius, e, q) = (
         gear.generating_radius_m(),
@@ -158,15 +158,14 @@ fn formula(gear: &Gear, a: f64) -> Vector {
     )
 }
 
-/// `count` points of a circle about `centre`, m; clockwise, so that rapier takes the outside for
-/// solid.
+/// Returns `count` points of a circle about `centre`, m; clockwise, so that rapier takes the outside for solid.
 pub fn hole_edge(centre: Vector, radius: f64, count: usize) -> Vec<Vector> {
     around(count)
         .map(|a| centre + radius * Vector::new(a.cos(), -a.sin()))
         .collect()
 }
 
-/// The segments of a closed polyline over `count` points.
+/// Returns the segments of a closed polyline over `count` points.
 pub fn closed(count: usize) -> Vec<[u32; 2]> {
     let count = count as u32;
     (0..count).map(|i| [i, (i + 1) % count]).collect()

@@ -1,8 +1,8 @@
-//! Forces of the revolutes, from the motion of the bodies: the mass of a body times its acceleration equals
-//! the contact forces on it, plus the force of its own revolute, less the forces of the revolutes of the bodies it carries.
+//! Forces of the revolutes from the motion of the bodies: mass times acceleration equals the contact forces on a body plus the
+//! force of its own revolute, less the forces of the revolutes of the bodies it carries.
 //!
-//! rapier's own impulses also contain the position corrections of its solver. The force here is the one that the
-//! computed motion needs.
+//! rapier's impulses also contain the position corrections of its solver. The force here is the one that the computed motion
+//! requires.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Layout;
@@ -10,8 +10,8 @@ use pinwheel_scene::Layout;
 use super::sums::Evaluation;
 use super::world::World;
 
-/// Force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the samples'
-/// contact forces are `sums`, the step just taken is centred at the sample.
+/// Writes the force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the sample's contact forces
+/// are `sums`, and the last step is centred at the sample.
 pub fn reactions(gearbox: &Gearbox, world: &World, sums: &Evaluation, into: &mut Vec<[f64; 2]>) {
     let layout = gearbox.layout;
     into.clear();

@@ -10,8 +10,8 @@ use super::sums::Evaluation;
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 
-/// Gauss-Seidel sweeps a step. Ten leave the joints an error below that of the time step: four
-/// double the error of the output pins, forty change nothing.
+/// Gauss-Seidel sweeps per step. With ten the error of the joints is below that of the time step: four double the error of the
+/// output pins, forty change nothing.
 const SWEEPS: usize = 10;
 
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {

@@ -1,4 +1,4 @@
-//! Contact forces added up body by body.
+//! Contact forces summed body by body.
 
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Layout, Sleeve};
@@ -6,13 +6,13 @@ use pinwheel_scene::{Layout, Sleeve};
 /// Contact forces in the ground frame, N, summed over the pairs.
 pub struct Evaluation {
     pub layout: Layout,
-    /// On each pin, external then internal.
+    /// Forces on each pin, external then internal.
     pub sleeves: Vec<[f64; 2]>,
-    /// On each disc.
+    /// Forces on each disc.
     wheels: Vec<[f64; 2]>,
-    /// Moment on the input shaft of what does not come through discs that it holds, N m.
+    /// Moment on the input shaft, except by discs that it carries, N m.
     input_n_m: f64,
-    /// Moment on the output shaft of what does not come through its pins, N m.
+    /// Moment on the output shaft, except by its pins, N m.
     pub output_n_m: f64,
 }
 
@@ -27,7 +27,7 @@ impl Evaluation {
         }
     }
 
-    /// Adds the force of a pair on its pin; the disc takes the opposite.
+    /// Adds the force of a pair on its pin, and the opposite to the disc.
     pub fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
         let slot = sleeve_slot(self.layout, sleeve);
         let [fx, fy] = force;
@@ -37,7 +37,7 @@ impl Evaluation {
         self.wheels[wheel][1] -= fy;
     }
 
-    /// Takes the loads of all bodies for the sums.
+    /// Sets the sums from the loads of all bodies.
     pub fn take(&mut self, loads: &[Wrench]) {
         let wheels = self.layout.wheel_bodies();
         let sleeves = &loads[self.layout.external_bodies().start..];
@@ -53,7 +53,7 @@ impl Evaluation {
         self.output_n_m = loads[Layout::OUTPUT].moment;
     }
 
-    /// Force on a body, N; 0 for the shafts, which touch nothing.
+    /// Returns the force on a body, N; 0 for the shafts, which have no contacts.
     pub fn on_body(&self, body: usize) -> [f64; 2] {
         let (wheels, sleeves) = (
             self.layout.wheel_bodies(),
@@ -74,9 +74,9 @@ impl Evaluation {
         (self.input_n_m, self.output_n_m) = (0.0, 0.0);
     }
 
-    /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
-    /// disc's contact force F on to the shaft, T = -sum E x F. The disc's own inertia force
-    /// points along E and does no work at constant speed. Of discs that `float` bearings load the shaft.
+    /// Returns the torque of the driver on the input shaft, N m, by virtual work: each eccentric transmits its disc's contact
+    /// force F to the shaft, T = -sum E x F. The disc's own inertia force points along E and does no work at constant speed.
+    /// For discs that `float` the bearings load the shaft.
     pub fn driver_torque(&self, bodies: &[BodyState], float: bool) -> f64 {
         let shaft = &bodies[Layout::INPUT];
         let wheels = self.layout.wheel_bodies().zip(&self.wheels);
@@ -88,7 +88,7 @@ impl Evaluation {
     }
 }
 
-/// Place of a pin among all pins, external before internal.
+/// Returns the index of a pin among all pins, external before internal.
 pub fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
     match sleeve {
         Sleeve::External(j) => j,

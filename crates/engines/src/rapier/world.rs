@@ -1,22 +1,20 @@
-//! The mechanism as rapier sees it: one rigid body each, impulse revolutes, and a prescribed
-//! input shaft.
+//! The mechanism in rapier: one rigid body each, impulse revolutes, and a prescribed input shaft.
 //!
-//! rapier is semi-implicit Euler, x_{n+1} = x_n + h v_{n+1}, which is leapfrog once its velocities
-//! are read as v_{n+1/2}: the world holds positions at t_n beside velocities half a step back, and
-//! [`World::at_node`] extrapolates the latter to t_n.
+//! rapier is semi-implicit Euler, x_{n+1} = x_n + h v_{n+1}, which is leapfrog if its velocities are interpreted as v_{n+1/2}.
+//! The world has positions at t_n and velocities half a step earlier; [`World::at_node`] extrapolates these to t_n.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{Body, BodyState, Wrench};
 use pinwheel_scene::{Drive, Layout, speed_profile};
 use rapier2d_f64::prelude::*;
 
-/// h w of the springs that pull revolutes together. rapier's own, of 1 MHz, give way at short
-/// steps: against the leapfrog they err by 1.7e-5 in the forces; these by less than 1e-6.
+/// Product h w of the springs of the revolutes. rapier's own, of 1 MHz, are too soft at short steps: their error against the
+/// leapfrog is 1.7e-5 in the forces, that of these below 1e-6.
 const JOINT_STEP_TIMES_FREQUENCY: f64 = 1e4;
 
-/// rapier's world of one gearbox and its way from step to step.
+/// World of rapier for one gearbox, with its state between steps.
 pub struct World {
-    /// rapier itself.
+    /// World of rapier itself.
     pub physics: PhysicsWorld,
     /// rapier's handles in [`Layout`] order.
     handles: Vec<RigidBodyHandle>,
@@ -31,8 +29,8 @@ pub struct World {
 }
 
 impl World {
-    /// Bodies at the gearbox's initial state, without colliders. `sweeps` is the number of
-    /// projected Gauss-Seidel sweeps over all constraints in a step.
+    /// Creates the bodies at the gearbox's initial state, without colliders. `sweeps` is the number of projected Gauss-Seidel
+    /// sweeps over all constraints in a step.
     pub fn new(gearbox: &Gearbox, step_s: f64, sweeps: usize) -> Self {
         let mechanism = gearbox.mechanism();
         let mut physics = PhysicsWorld::new();
@@ -48,7 +46,7 @@ impl World {
                 physics.insert_body(rigid_body(state, of, body == Layout::INPUT))
             })
             .collect();
-        // rapier would wait for its first step; the contact hook asks before.
+        // rapier would compute these at its first step, but the contact hook needs them before.
         for handle in &handles {
             physics.bodies[*handle].recompute_mass_properties_from_colliders(&physics.colliders);
         }
@@ -66,7 +64,7 @@ impl World {
                 let anchor = carrier.map_or(Vector::new(at.x, at.y), |carrier| {
                     in_frame_of(&states[carrier], at)
                 });
-                // Drivers hold pins that do not turn.
+                // Drivers fix pins that do not turn.
                 let axes = match mechanism.drivers.iter().any(|held| held.child == carried) {
                     true => JointAxesMask::LOCKED_FIXED_AXES,
                     false => JointAxesMask::LOCKED_REVOLUTE_AXES,
@@ -93,7 +91,7 @@ impl World {
         }
     }
 
-    /// rapier's body of an index in [`Layout`] order.
+    /// Returns rapier's body of an index in [`Layout`] order.
     pub fn body(&self, index: usize) -> &RigidBody {
         &self.physics.bodies[self.handles[index]]
     }
@@ -104,7 +102,7 @@ impl World {
             .insert_collider(collider, Some(self.handles[body]))
     }
 
-    /// Gives the spring of all contacts a frequency, Hz, and no damping.
+    /// Sets the frequency of the spring of all contacts, Hz, without damping.
     pub fn contact_spring(&mut self, natural_frequency: f64) {
         let spring = SpringCoefficients {
             natural_frequency,
@@ -115,7 +113,7 @@ impl World {
         parameters.static_contact_softness = spring;
     }
 
-    /// States at t_n, velocities extrapolated: v_n = 3/2 v_{n-1/2} - 1/2 v_{n-3/2}.
+    /// Writes the states at t_n with extrapolated velocities: v_n = 3/2 v_{n-1/2} - 1/2 v_{n-3/2}.
     pub fn at_node(&self, into: &mut Vec<BodyState>) {
         into.clear();
         into.extend(
@@ -137,8 +135,8 @@ impl World {
         );
     }
 
-    /// Replaces the velocities of `before`, the states at the node before the last step, by the mean of the velocities
-    /// half a step before and after that node. At the start they stay unchanged, because they are known.
+    /// Replaces the velocities of `before`, the states at the node before the last step, by the mean of the velocities half a
+    /// step before and after that node. The known velocities at the start are kept.
     pub fn centre(&self, before: &mut [BodyState]) {
         if self.taken <= 1 {
             return;
@@ -150,7 +148,7 @@ impl World {
         }
     }
 
-    /// Acceleration of a body's centre over the step just taken, m/s^2.
+    /// Returns the acceleration of a body's centre over the last step, m/s^2.
     pub fn acceleration(&self, body: usize) -> [f64; 2] {
         let (state, earlier) = (&self.states[body], &self.earlier[body]);
         [
@@ -159,8 +157,8 @@ impl World {
         ]
     }
 
-    /// Share of a step over which the loads act: half of the first one, because the initial
-    /// velocities belong to t_0 and not to t_{-1/2}.
+    /// Returns the share of a step over which the loads act: half for the first one, because the initial velocities belong to
+    /// t_0 and not to t_{-1/2}.
     pub fn share(&self) -> f64 {
         if self.taken == 0 { 0.5 } else { 1.0 }
     }
@@ -177,10 +175,10 @@ impl World {
         }
     }
 
-    /// One step of rapier; afterwards [`World::states`] belongs to the next node.
+    /// Takes one step of rapier; afterwards [`World::states`] belongs to the next node.
     ///
     /// # Errors
-    /// The body that rapier put aside because its state is no longer finite.
+    /// Body that rapier removed because its state is not finite.
     pub fn advance(&mut self, hooks: &dyn PhysicsHooks) -> Result<(), String> {
         let (drive, steps) = (&self.drive, (self.taken + 1) as f64);
         let next_angle = drive.input_speed_rad_s * self.step_s * steps
@@ -193,8 +191,8 @@ impl World {
             let body = quarantine.bodies().first();
             let body = body.and_then(|body| self.handles.iter().position(|handle| handle == body));
             return Err(match body {
-                Some(body) => format!("body {body} is no longer finite; rapier put it aside"),
-                None => "a collider is no longer finite; rapier put it aside".to_owned(),
+                Some(body) => format!("body {body} is no longer finite; rapier removed it"),
+                None => "a collider is no longer finite; rapier removed it".to_owned(),
             });
         }
         for ((handle, state), earlier) in self
@@ -208,7 +206,7 @@ impl World {
             let now = [velocity.x, velocity.y, body.angvel()];
             let before = [state.vx, state.vy, state.rate];
             *earlier = if self.taken == 0 {
-                // v_{-1/2} of a start at v_0 with the acceleration of the first half step.
+                // v_{-1/2} for a start at v_0 with the acceleration of the first half step.
                 [0, 1, 2].map(|i| 2.0 * before[i] - now[i])
             } else {
                 before
@@ -226,7 +224,7 @@ impl World {
         Ok(())
     }
 
-    /// Largest distance between the two anchors of any revolute, m.
+    /// Returns the largest distance between the two anchors of any revolute, m.
     pub fn joint_drift(&self) -> f64 {
         self.joints
             .iter()
@@ -244,11 +242,11 @@ impl World {
     }
 }
 
-/// Every limit and heuristic of a game engine that would bend the equations, switched off.
+/// Returns parameters that disable all limits and heuristics of a game engine that would alter the equations.
 fn parameters(step_s: f64, sweeps: usize) -> IntegrationParameters {
     IntegrationParameters {
         dt: step_s,
-        // A substep would freeze our forces over several of its own: 97 % error with the default 4.
+        // Substeps would freeze Pinwheel's forces: an error of 97 % with the default 4.
         num_solver_iterations: 1,
         num_internal_pgs_iterations: sweeps,
         num_internal_stabilization_iterations: 0,
@@ -287,7 +285,7 @@ pub fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
     Vector::new(cos * dx + sin * dy, cos * dy - sin * dx)
 }
 
-/// The angle equal to `wrapped` modulo a turn that lies closest to `near`.
+/// Returns the angle equal to `wrapped` modulo a turn that is closest to `near`.
 pub fn unwrapped(wrapped: f64, near: f64) -> f64 {
     wrapped + std::f64::consts::TAU * ((near - wrapped) / std::f64::consts::TAU).round()
 }

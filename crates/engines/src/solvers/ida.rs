@@ -1,4 +1,4 @@
-//! SUNDIALS IDA: a Python program in an environment of its own.
+//! SUNDIALS IDA: a Python program in its own environment.
 
 use std::sync::atomic::AtomicBool;
 
@@ -33,7 +33,7 @@ pub(crate) const REQUIREMENTS: Requirements = Requirements {
     )),
 };
 
-/// Name and pinned version of its package.
+/// Returns name and pinned version of its package.
 pub(super) fn version() -> String {
     let list = include_str!(concat!(
         env!("PINWHEEL_SHIPPED"),
@@ -42,7 +42,7 @@ pub(super) fn version() -> String {
     pinned(list, "scikit-sundae")
 }
 
-/// Makes the Python environment if need be.
+/// Makes the Python environment if it is missing.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
     let found = environment(REQUIREMENTS, cancel)?;
     Ok(Ready {

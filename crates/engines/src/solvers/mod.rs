@@ -1,7 +1,7 @@
-//! Trusted solvers that come through the protocol, as a user's own would: Simbody and SUNDIALS IDA.
+//! Trusted solvers that use the protocol of users' solvers: Simbody and SUNDIALS IDA.
 //!
-//! Their programs are in the folder `solvers/` and embedded here. At the first use Simbody's is compiled by the system's C++
-//! compiler and IDA gets a Python environment of its own; both are kept in the user's cache folder.
+//! Their programs are in the folder `solvers/` and embedded here. At first use Simbody's is compiled by the system's C++
+//! compiler, and IDA gets its own Python environment; both are stored in the user's cache folder.
 
 mod ida;
 mod ready;

@@ -1,4 +1,4 @@
-//! A shipped solver as an engine: made ready at its first run, then run as any solver from outside.
+//! Shipped solver as an engine: prepared at its first run, then run like any external solver.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,7 +12,7 @@ use crate::external::{Solver, law_library};
 use crate::info::EngineInfo;
 use crate::known::solvers as facts;
 
-/// One shipped solver.
+/// Shipped solver.
 struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
@@ -39,14 +39,14 @@ static IDA: Shipped = Shipped {
     manifests: [ida::MANIFEST; 2],
 };
 
-/// Returns a shipped solver; `None` if the facts are another engine's.
+/// Returns a shipped solver; `None` if the facts belong to another engine.
 pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
     let shipped = [&SIMBODY, &IDA].into_iter().find(|own| own.info == info)?;
     Some(Box::new(shipped))
 }
 
 impl Shipped {
-    /// The solver for a scene, made ready if it is not.
+    /// Returns the solver for a scene, prepared if necessary.
     fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, Halt> {
         let ready = self.made.get(|| (self.make)(cancel))?;
         law_library().map_err(Ending::absent)?;

@@ -1,4 +1,4 @@
-//! Simbody: a C++ program, compiled by the system's compiler at the first use and kept in the cache folder.
+//! Simbody: a C++ program, compiled by the system's compiler at first use and stored in the cache folder.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -31,10 +31,10 @@ const HEADERS: [&str; 2] = ["/usr/include/simbody", "/usr/local/include/simbody"
 
 const REMEDY: &str = "Debian: apt install libsimbody-dev g++";
 
-/// Holds the hash of all files as they were when the program was compiled.
+/// File with the hash of all files at the time of compilation.
 const SEAL: &str = "whole";
 
-/// The hash of the files of a folder; `None`: one cannot be read.
+/// Returns the hash of the files of a folder; `None` if one cannot be read.
 fn sum(folder: &Path) -> Option<String> {
     let names = FILES.iter().map(|(name, _)| *name).chain(["simbody"]);
     let mut hash = Fnv::default();
@@ -44,21 +44,21 @@ fn sum(folder: &Path) -> Option<String> {
     Some(format!("{:016x}", hash.value()))
 }
 
-/// The installed Simbody.
+/// Installed Simbody.
 struct Installed {
-    /// `3.7`, where the system says so.
+    /// Version such as `3.7`, if the system states it.
     version: Option<String>,
-    /// The compiler's arguments.
+    /// Compiler arguments.
     flags: Vec<String>,
 }
 
-/// Looks for it.
+/// Looks up the installed Simbody.
 fn installed() -> Option<Installed> {
     static NEVER: AtomicBool = AtomicBool::new(false);
     let ask = |arguments: &[&str]| call(Path::new("pkg-config"), arguments, None, &NEVER).ok();
     if let Some(version) = ask(&["--modversion", "simbody"]) {
         let flags = ask(&["--cflags", "--libs", "simbody"])?;
-        // Its own choice of a language standard is older than the program's.
+        // Its own language standard is older than the program's.
         let words = flags
             .split_whitespace()
             .filter(|word| !word.starts_with("-std="));
@@ -77,7 +77,7 @@ fn installed() -> Option<Installed> {
     })
 }
 
-/// Name and version of what is installed.
+/// Returns name and version of the installed Simbody.
 pub(super) fn version() -> String {
     match installed().and_then(|found| found.version) {
         Some(version) => format!("Simbody {version}"),
@@ -121,13 +121,13 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
         let arguments = arguments.chain([OsStr::new("-ldl")]);
         call(&compiler, arguments, None, cancel).map_err(|reason| {
             Ending::absent(format!(
-                "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
+                "its program cannot be compiled ({reason}); install all of Simbody ({REMEDY})"
             ))
         })?;
         let seal = draft.join(SEAL);
         fs::write(&seal, sum(draft).unwrap_or_default()).map_err(|error| storage(&seal, error))
     };
-    // What a full disk or a fault of it left would fail at every run.
+    // A build damaged by a full disk or a fault would fail at every run.
     let whole = |folder: &Path| {
         let seal = fs::read_to_string(folder.join(SEAL)).ok()?;
         (sum(folder)? == seal).then(|| folder.to_owned())

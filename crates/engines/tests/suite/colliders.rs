@@ -3,7 +3,7 @@
 use pinwheel_engines::rapier::colliders::*;
 use pinwheel_scene::Scene;
 
-/// A gear without load has contacts of no depth: its outlines are as fine as ever, and nothing is refused.
+/// A gear without load has contacts of zero depth: its outlines have the usual corners, and nothing is refused.
 #[test]
 fn hard_outlines_without_a_load() {
     let mut scene = Scene::paper();
@@ -12,7 +12,7 @@ fn hard_outlines_without_a_load() {
     let found = Corners::of(&scene, [1e6; 2]).unwrap();
     assert_eq!((found.wheel, found.hole), (EDGE_POINTS, HOLE_POINTS));
     assert!(loaded.wheel >= found.wheel);
-    // A load that presses in by next to nothing is limited by the polygon.
+    // Under a load with a tiny penetration the polygon limits the accuracy.
     scene.drive.output_torque_n_m = 22.0;
     let refused = Corners::of(&scene, [1e11; 2]).unwrap_err();
     assert!(refused.contains("limited by its polygon"), "{refused}");

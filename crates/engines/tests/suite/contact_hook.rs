@@ -1,4 +1,4 @@
-//! Our forces in rapier's contact solver.
+//! Pinwheel's forces in rapier's contact solver.
 
 use pinwheel_engines::rapier::contact_hook::*;
 use pinwheel_engines::rapier::march::Contacts as _;
@@ -7,8 +7,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_mbs::Wrench;
 
-/// The forces that rapier transmits in a step are those of the law, read back from its impulses, with friction that
-/// bounds and opposes.
+/// Forces that rapier transmits in a step, from its impulses, are those of the law, with friction that is bounded and opposes
+/// sliding.
 #[test]
 fn transmits_the_law_and_bounds_friction() {
     let mut scene = pinwheel_scene::Scene::paper();
@@ -43,7 +43,7 @@ fn transmits_the_law_and_bounds_friction() {
                 "step {step}: {force} for {wanted}"
             );
             assert!(found.friction_force_n.abs() <= 0.1 * force * (1.0 + 1e-9));
-            // Clear sliding is opposed with all of mu F_n.
+            // Clear sliding is opposed by all of mu F_n.
             if pair.tangential_rate_m_s.abs() > 0.05 {
                 let full = -0.1 * force * pair.tangential_rate_m_s.signum();
                 assert!(

@@ -12,7 +12,7 @@ fn pieces_are_counted_and_fit() {
     };
     let line = run(0.3).sentence(12.0);
     assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
-    // `stability [============] 99m: ` stands before it.
+    // The line follows `stability [============] 99m: `.
     assert!(line.len() + 28 <= 80);
     assert!(run(1e-4).sentence(1.0).ends_with(", 1.7 h left"));
     assert!(run(0.0).sentence(1.0).ends_with("colliders"));

@@ -1,4 +1,4 @@
-//! Environments that are cut off, refused, wanted twice at once, or impossible.
+//! Environments that are interrupted, refused, requested twice at once, or impossible.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use pinwheel_engines::python::interpreter::{self, ENVIRONMENT, Interpreter};
 
 static GO: AtomicBool = AtomicBool::new(false);
 
-/// No packages: what is tested is all but their download.
+/// No packages: the test covers everything except their download.
 const NOTHING: Requirements = Requirements {
     name: "nothing",
     file: "nothing.txt",
@@ -39,7 +39,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn two_at_once_make_one_and_leftovers_go() {
     let cache = tempfile::tempdir().unwrap();
     let here = Arc::new(cache.path().to_owned());
-    // What a build leaves that was cut off: a draft, and a folder without a marker.
+    // Remains of an interrupted build: a draft, and a folder without a marker.
     let name = name_of(NOTHING, &interpreter());
     fs::create_dir(here.join(&name)).unwrap();
     fs::write(here.join(&name).join("half"), "").unwrap();
@@ -59,7 +59,7 @@ fn two_at_once_make_one_and_leftovers_go() {
         "a half environment was used"
     );
     assert_eq!(names(&here), [name.clone(), format!("{name}.lock")]);
-    // A named environment is used as it is.
+    // A named environment is used unchanged.
     assert_eq!(
         named(&made[0].folder, &interpreter(), &GO).unwrap(),
         made[0]
@@ -131,7 +131,7 @@ fn an_environment_without_its_packages_is_not_whole() {
     )
     .unwrap();
     assert!(whole(&made.folder, more, &GO).is_some());
-    // As pip records its files: what a full disk or a crash cut off is no package any more, and the environment is made again.
+    // In pip's record of files: a package truncated by a full disk or a crash is missing, and the environment is rebuilt.
     let record = "no_such/core.so,sha256=WZRHGrsBESr8wYFZ9sx0tPURuZgG2lmzyvWpwXPKz8U,5\n";
     fs::write(info.join("RECORD"), record).unwrap();
     assert!(

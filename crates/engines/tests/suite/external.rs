@@ -1,4 +1,4 @@
-//! Programs that do what a solver may do wrong. Each ends in one clear line and leaves nothing running.
+//! Programs with the faults of bad solvers. Each ends in one clear line and leaves no process.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -18,7 +18,7 @@ fn scene() -> CheckedScene {
     Scene::load("paper", &sets).expect("preset")
 }
 
-/// A folder with a solver that is a shell script, and `good.csv`, what it should write.
+/// Folder with a solver as a shell script, and `good.csv`, its correct output.
 struct Script {
     folder: TempDir,
     solver: Solver,
@@ -67,7 +67,7 @@ impl Script {
     }
 }
 
-/// True if a process that wrote its number into a file is there.
+/// True if the process whose number is in a file exists.
 fn lives(pid: &str) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.trim()));
     stat.is_ok_and(|stat| !stat.contains(") Z "))
@@ -98,7 +98,7 @@ fn a_run_with_everything_it_may_tell() {
         (7, 14, 28)
     );
     assert_eq!(run.stats.notes, ["a remark", "another"]);
-    // Orders are understood on stderr alone.
+    // Only stderr may have commands.
     let seen = seen.into_inner().expect("lock");
     assert!(seen.contains(&0.01) && !seen.contains(&0.015));
     assert!(run.stats.cpu_s < 5.0 && run.stats.wall_s > 0.0);
@@ -266,7 +266,7 @@ fn hard_what_it_leaves_behind_is_ended() {
     assert!(!pid.is_empty() && !lives(&pid), "{pid} still runs");
 }
 
-/// Children in sessions of their own, also those of a parent that is gone, after a timeout and after a good end.
+/// Children in their own sessions, also of an ended parent, after a timeout and after a normal end.
 #[cfg(target_os = "linux")]
 #[test]
 fn hard_who_leaves_the_group_is_ended_too() {
@@ -295,7 +295,7 @@ fn hard_the_user_stops_it() {
     let script = Script::new("echo $$ > \"$2/own\"; exec sleep 1000");
     let stop = AtomicBool::new(false);
     let own = script.folder.path().join("own");
-    // As soon as it runs.
+    // After the start of the program.
     let progress = |_: Progress<'_>| {
         if std::fs::read_to_string(&own).is_ok_and(|pid| !pid.trim().is_empty()) {
             stop.store(true, Ordering::Relaxed);
@@ -320,7 +320,7 @@ fn hard_huge_output_is_ended() {
     assert!(files.fails().contains("its files are larger than 20 MB"));
     let many = Script::new("i=0; while :; do i=$((i+1)); : > \"$1/$i\"; done");
     assert!(many.fails().contains("or too many"));
-    // Long lines, and many notes, are cut: said before all else, or last.
+    // Long lines and many notes are cut, the first or the last ones.
     let (many, long) = (
         "for i in $(seq 500); do echo \"@note $i\" >&2; done",
         "head -c 3000000 /dev/zero | tr '\\0' 'x' >&2; echo >&2",
@@ -332,7 +332,7 @@ fn hard_huge_output_is_ended() {
     }
 }
 
-/// A folder that is swapped for a link elsewhere is not followed, neither to read nor to remove.
+/// A folder replaced by a link is not followed, neither for reading nor for removal.
 #[test]
 fn hard_a_swapped_folder_is_not_followed() {
     let script = Script::new(

@@ -1,4 +1,4 @@
-//! Stale, foreign and alternating callers of the border, without a Python.
+//! Stale, foreign and alternating callers of the C interface, without a Python.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -18,7 +18,7 @@ fn publish(gearbox: &Gearbox) -> Published {
     Published::new(gearbox).unwrap()
 }
 
-/// Loaded states: the output and discs turned a little out of the ideal mesh.
+/// Returns loaded states: output and discs slightly rotated from the ideal mesh.
 fn states(gearbox: &Gearbox) -> Vec<f64> {
     let mut bodies = gearbox.kinematic_states();
     for body in gearbox.layout.wheel_bodies() {
@@ -52,7 +52,7 @@ fn directly(gearbox: &Gearbox, states: &[f64]) -> Vec<f64> {
     loads.iter().flat_map(|l| [l.fx, l.fy, l.moment]).collect()
 }
 
-/// As an engine calls it. `bodies` must be those of the law behind `number`.
+/// Calls the law as an engine does. `bodies` must be those of the law behind `number`.
 fn call(number: usize, states: &[f64], bodies: usize) -> Vec<f64> {
     assert_eq!(states.len(), 6 * bodies);
     let mut loads = vec![7.0; 3 * bodies];
@@ -93,7 +93,7 @@ fn a_dropped_law_answers_nan_and_its_number_is_not_used_again() {
         call(again.number, &states, bodies),
         directly(&gearbox, &states)
     );
-    // A number that was never handed out has no length: nothing may be touched.
+    // A number that was never issued has no length: no data may be accessed.
     assert!(
         call(usize::MAX, &states, bodies)
             .iter()
@@ -116,7 +116,7 @@ fn laws_alternate() {
     }
 }
 
-/// The arrays that MuJoCo would own.
+/// Arrays in place of MuJoCo's.
 struct Machine {
     q: Vec<f64>,
     v: Vec<f64>,
@@ -147,7 +147,7 @@ impl Machine {
     }
 }
 
-/// The mechanism as hinges, coordinates in reverse order of the bodies.
+/// Returns the mechanism as hinges, with coordinates in reverse order of the bodies.
 fn places(gearbox: &Gearbox) -> Vec<Place> {
     let (layout, bodies) = (gearbox.layout, gearbox.kinematic_states());
     (0..layout.bodies())
@@ -166,11 +166,11 @@ fn places(gearbox: &Gearbox) -> Vec<Place> {
 }
 
 fn step(data: usize) {
-    // SAFETY: whatever is attached under `data` belongs to the calling test and is alive.
+    // SAFETY: data attached under `data` belong to the calling test and are alive.
     unsafe { passive(std::ptr::null(), std::ptr::without_provenance_mut(data)) };
 }
 
-/// A test's own mjData address: any that no other test uses.
+/// Attaches data under an address of mjData that no other test uses.
 fn attach(published: &Published, places: &[Place], machine: &mut Machine, data: usize) {
     let addresses = machine.addresses(data);
     let law = published.law.clone();
@@ -185,7 +185,7 @@ fn a_law_that_is_gone_detaches_and_equal_data_are_evicted() {
     let places = places(&gearbox);
     let mut machines = [places.len(); 2].map(Machine::new);
     attach(&first, &places, &mut machines[0], 0x6000);
-    // The same address once more: its earlier owner is gone, and only the new one is called.
+    // The same address again: only its new owner is called.
     attach(&second, &places, &mut machines[1], 0x6000);
     step(0x6000);
     assert_eq!((machines[0].counters[0], machines[1].counters[0]), (0, 1));
@@ -223,7 +223,7 @@ fn torques_do_the_work_of_the_loads() {
     let published = publish(&gearbox);
     let places = places(&gearbox);
     let mut machine = Machine::new(places.len());
-    // Near the mesh, so that something touches.
+    // Near the mesh, for some contacts.
     for (place, state) in places.iter().zip(states(&gearbox).as_chunks::<6>().0) {
         machine.q[place.coordinate] = state[2];
     }

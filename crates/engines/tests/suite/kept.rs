@@ -1,4 +1,4 @@
-//! Kept runs: given back to the bit, and only for what they were made of.
+//! Stored runs: returned to the bit, and only for equal inputs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_timeseries::{TimeSeries, columns};
 
-/// An engine that nobody runs.
+/// Engine that is not run.
 struct Fake {
     version: &'static str,
     brought: bool,
@@ -53,7 +53,7 @@ fn run() -> Run {
     Run::new(series, stats)
 }
 
-/// The engine of a version behind a store in `folder` that is opened now.
+/// Returns the engine of a version with a store in `folder` that is opened now.
 fn opened(folder: &Path, fresh: bool, version: &'static str) -> (Arc<Store>, Box<dyn Engine>) {
     let made = ("a machine".to_owned(), "2026-01-31".to_owned());
     let store = Arc::new(Store::open(folder, fresh, "program", made).unwrap());
@@ -73,7 +73,7 @@ fn bits(run: &Run) -> Vec<u64> {
         .collect()
 }
 
-/// The clock of files moves on.
+/// Waits until file times increase.
 fn later() {
     std::thread::sleep(Duration::from_millis(30));
 }
@@ -91,7 +91,7 @@ fn a_kept_run_is_the_run() {
     assert_eq!(store.made(), 1);
     later();
     let (store, engine) = opened(dir.path(), false, "1");
-    // Its names change no run.
+    // Names do not affect a run.
     let named = gearbox(&[("name", "\"other\"")]);
     let found = engine.kept(&named, None).unwrap();
     assert_eq!(found.stats.kept.as_deref(), Some("2026-01-31 on a machine"));
@@ -128,7 +128,7 @@ fn another_run_is_none() {
     fresh.keep(&scene, &run(), None);
     let anew = fresh.kept(&scene, None).unwrap();
     assert_eq!(anew.stats.kept, None);
-    // Native runs are no trouble, and the user's solver may have changed.
+    // Native runs are fast, and a user's solver may have changed.
     let native = by_name("native-reduced", &scene.scene).unwrap();
     let own = Fake {
         version: "1",
@@ -166,7 +166,7 @@ fn an_ending_that_may_pass_is_not_kept() {
     }
 }
 
-/// Each byte of a file counts, and so does its end; a line says so.
+/// Every byte of a file counts, and so does its end; a message reports damage.
 #[test]
 fn bad_input_damaged_files_are_made_anew() {
     let dir = tempfile::tempdir().unwrap();
@@ -219,7 +219,7 @@ fn the_oldest_go() {
     assert_eq!(left, [false, true, true]);
 }
 
-/// Threads as processes: all write and read one file.
+/// Threads in place of processes: all write and read one file.
 #[test]
 fn several_may_use_it_at_once() {
     let dir = tempfile::tempdir().unwrap();

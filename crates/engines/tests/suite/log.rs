@@ -3,7 +3,7 @@
 use pinwheel_engines::external::log::*;
 use pinwheel_engines::process::Piece;
 
-/// A program that prints without end takes no memory without end.
+/// Endless output on one line takes limited memory.
 #[test]
 fn hard_long_lines_are_cut() {
     let mut heard = SolverLog::default();

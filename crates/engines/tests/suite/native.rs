@@ -1,5 +1,5 @@
-//! Checks of native-resolved: its target holds whatever step, method and tolerance the scene itself names, and recorded
-//! engines with contacts of their own carry its results with these.
+//! Tests of native-resolved: its target is met for any step, method and tolerance of the scene, and recorded engines with their
+//! own contacts agree with it under these contacts.
 
 use pinwheel_engines::{Control, Engine, Native, OwnContact, Run, recorded};
 use pinwheel_gearbox::{Gearbox, native};
@@ -17,8 +17,9 @@ fn resolved(gearbox: &Gearbox) -> Run {
     run(&Control::quiet()).unwrap()
 }
 
-/// Its forces and driver torque are as exact as the engine's description says: 1e-7, with friction or points 1e-5. The
-/// truth is the other adaptive method at a tolerance that neither takes. Measured: 1e-9 on `paper`, 3e-9 on `paper-friction`.
+/// Forces and driver torque are as accurate as the engine's description states: 1e-7, with friction or points 1e-5. The
+/// reference is the other adaptive method at a tolerance that neither uses. Measured: 1e-9 on `paper`, 3e-9 on
+/// `paper-friction`.
 #[test]
 fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
     const SHORT: &str = "solver.duration_s=0.003";
@@ -63,9 +64,8 @@ fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
     }
 }
 
-/// Beds of springs carry what balls do, wherever on the edge they are pressed: the largest force of each stage, mean over the second
-/// half of a recording, against the native run with these contacts. Measured at most 0.5 %, times 2; 4.5 % while all springs of a
-/// bed were alike.
+/// Beds of springs carry the load of balls at any place of the edge: largest force of each stage, mean over the second half of
+/// a recording, against the native run with these contacts. Measured at most 0.5 %, times 2; 4.5 % with equal springs in a bed.
 #[test]
 fn crossval_beds_are_their_twins() {
     let mut compared = 0;

@@ -20,7 +20,7 @@ fn wheel_edge_encloses_the_known_area_counter_clockwise() {
     assert!((area - 8710.1e-6).abs() < 0.05e-6, "{area}");
 }
 
-/// Against the disc turned to either side: every point of the common edge lies on one and within the other.
+/// Against the disc rotated to either side: every point of the common edge is on one and inside the other.
 #[test]
 fn turned_flanks_bound_what_both_wheels_have_in_common() {
     let mut gear = Scene::paper().gear;
@@ -42,7 +42,7 @@ fn turned_flanks_bound_what_both_wheels_have_in_common() {
         let least = radius_at(1e-3).min(radius_at(-1e-3));
         assert!((point.length() - least).abs() < 1e-5, "{point} {least}");
     }
-    // Two flanks a lobe, each lower by turn times the radius over a height of 2 e, twice.
+    // Two flanks per lobe, each lower by turn times the radius over a height of 2 e, twice.
     let lost = plain - area(&edge);
     let wanted = 15.0 * 1e-3 * ((0.0608_f64).powi(2) - (0.0552_f64).powi(2));
     assert!((lost / wanted - 1.0).abs() < 0.01, "{lost} {wanted}");

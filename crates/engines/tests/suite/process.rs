@@ -1,4 +1,4 @@
-//! Programs under supervision.
+//! Monitored programs.
 
 use std::process::Command;
 use std::thread;
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use pinwheel_engines::process::{End, Piece, run};
 
-/// While nobody listens a program that floods its pipe waits, and what is kept of it stays small.
+/// A program that floods an unread pipe has to wait, and its buffer stays small.
 #[test]
 fn hard_what_is_not_heard_yet_is_bounded() {
     let (mut bytes, mut ends) = (0, false);

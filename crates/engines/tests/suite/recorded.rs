@@ -67,7 +67,7 @@ fn stands_for_its_own_scene_only() {
     scene.solver.duration_s = 0.0015;
     assert!(recording.is_of(&scene));
     assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0, 1e-3]);
-    // Samples that a run would not have are not given.
+    // Samples that a run would not have are left out.
     scene.solver.sample_s = 7e-4;
     assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0]);
     scene.gear.backlash_m = 1e-5;

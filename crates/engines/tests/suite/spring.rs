@@ -1,4 +1,4 @@
-//! The linear spring that represents a law.
+//! Linear spring that represents a law.
 
 use pinwheel_engines::spring::*;
 use pinwheel_gearbox::Gearbox;
@@ -12,21 +12,21 @@ fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
     Ok(spring.frequency_hz)
 }
 
-/// Both stages have the law's secants: k m w^2 with the mass that ring pins get.
+/// Both stages have the law's secants: k = m w^2 with the mass assigned to ring pins.
 #[test]
 fn both_stages_are_as_stiff_as_the_law() {
     let gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
     let spring = contact_spring(&gearbox, &mut gearbox.contact_field().unwrap()).unwrap();
     let [external, internal] = spring.stiffness_n_m;
-    // K^(2/3) F^(1/3) of the paper's contacts at most, and less where less loaded.
+    // At most K^(2/3) F^(1/3) of the paper's contacts, and less at lower loads.
     assert!((0.7e6..3e6).contains(&external), "{external:e}");
     assert!((1.5e6..6e6).contains(&internal), "{internal:e}");
     let [outer, inner] = spring.masses_kg.unwrap();
     assert!(outer > 0.0 && inner < 0.048);
 }
 
-/// K delta^1.5 at a given force: k = K^(2/3) F^(1/3), so f ~ K^(1/3), where S(delta) = 1, as
-/// nearly everywhere here. The shares of the pins shift a little with the stiffness.
+/// For K delta^1.5 at a given force k = K^(2/3) F^(1/3), so f ~ K^(1/3), where S(delta) = 1, as nearly everywhere here. The
+/// load shares of the pins depend slightly on the stiffness.
 #[test]
 fn follows_the_hertzian_exponent() {
     let soft = frequency(|scene| scene.contact.stiffness_multiplier = 1e-2).unwrap();
@@ -63,7 +63,7 @@ fn refuses_contacts_that_carry_nothing() {
     );
 }
 
-/// A hole that is too large is no soft contact.
+/// An oversized hole is reported as such, not as a soft contact.
 #[test]
 fn blames_the_hole_where_it_is_wrong() {
     let refusal = frequency(|scene| scene.gear.hole_radius_m += 4.5e-3).unwrap_err();

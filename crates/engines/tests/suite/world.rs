@@ -5,7 +5,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::Wrench;
 use pinwheel_scene::Layout;
 
-/// A gearbox free to coast: output and discs keep their rates, joints hold.
+/// Gearbox without forces: output and discs keep their rates, and joints stay closed.
 #[test]
 fn coasts_along_the_ideal_motion() {
     let gearbox = Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
@@ -24,7 +24,7 @@ fn coasts_along_the_ideal_motion() {
         assert!((states[wheel].angle - ideal).abs() < 1e-9);
         let phase = gearbox.geometry.wheel_phases[i] + input;
         let e = gearbox.scene.gear.eccentricity_m;
-        // rapier's pins give way a little: 1e-9 m is the drift seen in whole runs.
+        // rapier's joints are slightly soft: their drift in complete runs is 1e-9 m.
         assert!((states[wheel].x - e * phase.cos()).abs() < 2e-9);
         assert!((states[wheel].y - e * phase.sin()).abs() < 2e-9);
     }
@@ -33,7 +33,7 @@ fn coasts_along_the_ideal_motion() {
     assert!(world.joint_drift() < 2e-9);
 }
 
-/// The first step carries half of the load, so that positions follow t^2/2 exactly.
+/// The first step has half of the load, so that positions follow t^2/2 exactly.
 #[test]
 fn constant_torque_gives_a_parabola_and_a_straight_rate() {
     let gearbox = Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! Nothing of anybody's is lost: attacks on outputs and single files, each refused or harmless.
+//! Attacks on outputs and single files: each is refused or harmless, and no foreign file is lost.
 
 use std::collections::BTreeMap;
 use std::fs::{self, Permissions};
@@ -11,7 +11,7 @@ use pinwheel_files::folder::{Folder, FolderError, Request, leftovers};
 use pinwheel_files::{Lock, MANIFEST, Manifest};
 use tempfile::{TempDir, tempdir};
 
-/// Everything below a folder with its mode and the beginning of its content; links with where they lead.
+/// Lists everything below a folder with its mode and the beginning of its content; links with their targets.
 fn tree(place: &Path) -> BTreeMap<PathBuf, String> {
     let (mut all, mut open) = (BTreeMap::new(), vec![place.to_owned()]);
     while let Some(path) = open.pop() {
@@ -50,7 +50,7 @@ fn output(out: &Path, files: &[&str]) -> PathBuf {
     folder.publish().unwrap()
 }
 
-/// A folder with an output `x` and a victim's output.
+/// Makes a folder with an output `x` and a foreign output.
 fn place() -> (TempDir, PathBuf, PathBuf) {
     let dir = tempdir().unwrap();
     let [x, victim] = ["x", "victim"].map(|name| dir.path().join(name));
@@ -64,7 +64,7 @@ fn fifo(path: &Path) {
     assert!(made.success());
 }
 
-/// Treatment of an earlier output: replaced, kept but for `--force`, or kept always.
+/// Treatment of an earlier output: replaced, kept without `--force`, or always kept.
 #[derive(Debug, PartialEq)]
 enum Met {
     Replaced,
@@ -160,7 +160,7 @@ fn bad_input_only_our_own_unchanged_files_are_replaced() {
     }
 }
 
-/// Finished outputs, links and drafts of others stay beside an output, whatever they are called; a draft of the dead is named.
+/// Complete outputs, links and foreign drafts beside an output stay under any name; drafts of ended processes are listed.
 #[test]
 fn bad_input_nothing_beside_an_output_is_touched() {
     let (dir, x, victim) = place();
@@ -237,13 +237,13 @@ fn regress_a_part_never_replaces_a_complete_output() {
     };
     let names = [false, false, true, false, false].map(one);
     assert_eq!(names, ["x", "x", "x", "x.partial", "x.partial"]);
-    // Others' files in its place stay, and cost nothing.
+    // Foreign files in its place stay without loss of the output.
     fs::write(dir.path().join("x.partial/notes.txt"), "precious").unwrap();
     symlink("nowhere", dir.path().join("x.partial-2")).unwrap();
     assert_eq!(one(false), "x.partial-3");
 }
 
-/// Default places know what they are of.
+/// Default places record the subject of their results.
 #[test]
 fn bad_input_results_of_another_scene_are_kept() {
     let dir = tempdir().unwrap();
@@ -292,7 +292,7 @@ fn bad_input_places_where_no_output_may_go() {
     }
 }
 
-/// A file is replaced only where it is known, and nothing else changes: neither its mode nor what a link leads to.
+/// Only known files are replaced, without a change of mode or of a link's target.
 #[test]
 fn bad_input_single_files_of_others_stay() {
     const OURS: &[u8] = b"ours, earlier";
@@ -354,7 +354,7 @@ fn bad_input_single_files_of_others_stay() {
             }
         }
     }
-    // Writers at one time are no strangers to each other.
+    // Simultaneous writers of this program do not refuse each other.
     let dir = tempdir().unwrap();
     let file = dir.path().join("f");
     std::thread::scope(|all| {

@@ -1,4 +1,4 @@
-//! TOML with the place of every key.
+//! TOML with the position of every key.
 
 use pinwheel_files::{Document, Entries, read};
 use serde::Deserialize;

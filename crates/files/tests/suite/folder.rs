@@ -1,4 +1,4 @@
-//! Folders that change places.
+//! Exchange of folders.
 
 use std::fs;
 

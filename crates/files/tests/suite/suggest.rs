@@ -1,4 +1,4 @@
-//! Patterns of names and what was meant.
+//! Patterns of names and suggestions.
 
 use pinwheel_files::{did_you_mean, fits, nearest};
 
@@ -36,7 +36,7 @@ fn patterns() {
     }
 }
 
-/// One fallback for every star would take 1e26 steps here.
+/// A fallback for every star would take 1e26 steps here.
 #[test]
 fn bad_input_patterns_of_many_stars_end() {
     let stars = "*".repeat(60_000);

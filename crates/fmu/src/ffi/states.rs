@@ -16,7 +16,7 @@ impl Kept {
 fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
     let found = STATES.find(state);
     let own = found.filter(|kept| kept.of == component.addr());
-    own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
+    own.ok_or_else(|| Refusal("the state is not one of this unit: null, freed or invalid".into()))
 }
 
 /// Stores bytes in an existing state, or in a new one.
@@ -32,15 +32,15 @@ fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), R
     Ok(())
 }
 
-/// Copies the whole state of the unit.
+/// Saves the complete state of the unit.
 ///
 /// # Safety
-/// `state`: null or the place of a state, which is null or of this unit.
+/// `state`: null or the address of a state, which is null or of this unit.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State) -> c_int {
     on(component, |unit| {
-        // SAFETY: null or a place.
-        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the place of the state"))?;
+        // SAFETY: null or an address.
+        let state = unsafe { state.as_mut() }.ok_or_else(|| null("the address of the state"))?;
         done(keep(component, unit.save()?, state))
     })
 }
@@ -56,11 +56,11 @@ pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
 /// Frees a state; null is permitted.
 ///
 /// # Safety
-/// As [`fmi2GetFMUstate`].
+/// Requirements of [`fmi2GetFMUstate`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut State) -> c_int {
     on(component, |_| {
-        // SAFETY: null or a place.
+        // SAFETY: null or an address.
         if let Some(state) = unsafe { state.as_mut() }
             && !state.is_null()
         {
@@ -75,7 +75,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut Stat
 /// Writes the size of a state, bytes.
 ///
 /// # Safety
-/// `size`: null or a place.
+/// `size`: null or an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
     component: Component,
@@ -84,8 +84,8 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
 ) -> c_int {
     on(component, |_| {
         let kept = kept(component, state)?;
-        // SAFETY: null or a place.
-        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
+        // SAFETY: null or an address.
+        let size = unsafe { size.as_mut() }.ok_or_else(|| null("the address of the size"))?;
         *size = kept.bytes().len();
         Ok(OK)
     })
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
         let kept = kept(component, state)?;
         let state = kept.bytes();
         // SAFETY: the caller promises its length.
-        let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
+        let place = unsafe { array_mut("the address of the bytes", bytes, size)? };
         let room = place
             .get_mut(..state.len())
             .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
@@ -118,7 +118,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 /// Reads a state from bytes.
 ///
 /// # Safety
-/// `bytes`: null or of `size`; `state`: as of [`fmi2GetFMUstate`].
+/// `bytes`: null or of `size`; `state`: as for [`fmi2GetFMUstate`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     component: Component,
@@ -127,9 +127,9 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     state: *mut State,
 ) -> c_int {
     on(component, |unit| {
-        // SAFETY: the caller promises its length, and null or a place.
+        // SAFETY: the caller promises its length, and null or an address.
         let (bytes, state) = unsafe { (array("the bytes", bytes, size)?, state.as_mut()) };
-        let state = state.ok_or_else(|| null("the place of the state"))?;
+        let state = state.ok_or_else(|| null("the address of the state"))?;
         unit.check(bytes)?;
         done(keep(component, bytes.to_vec(), state))
     })

@@ -4,17 +4,17 @@ use std::ffi::{c_char, c_int};
 
 use super::{Component, Instance, null, on};
 
-/// `fmi2Discard` of `fmi2Status`: the status asked for does not exist.
+/// Constant `fmi2Discard` of `fmi2Status`: the requested status does not exist.
 const DISCARD: c_int = 2;
-/// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
+/// Constant `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
 const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// `fmi2Terminated` of `fmi2StatusKind`.
+/// Constant `fmi2Terminated` of `fmi2StatusKind`.
 const TERMINATED: c_int = 3;
 
 /// Functions on the status of pending steps; there are no pending steps.
 macro_rules! of_no_step {
     ($($function:ident($value:ty);)*) => {$(
-        /// There is none.
+        /// Returns `fmi2Discard`: no step is pending.
         #[unsafe(no_mangle)]
         pub extern "C" fn $function(component: Component, _kind: c_int, _value: $value) -> c_int {
             on(component, |_| Ok(DISCARD))
@@ -28,10 +28,10 @@ of_no_step! {
     fmi2GetStringStatus(*mut *const c_char);
 }
 
-/// Writes a value of the unit, if its kind is the kind asked for.
+/// Writes a value of the unit, if `kind` is the requested one.
 ///
 /// # Safety
-/// `value`: null or a place.
+/// `value`: null or an address.
 unsafe fn tell<T>(
     component: Component,
     known: bool,
@@ -42,8 +42,8 @@ unsafe fn tell<T>(
         if !known {
             return Ok(DISCARD);
         }
-        // SAFETY: null or a place.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        // SAFETY: null or an address.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the address of the value"))?;
         *value = of(unit);
         Ok(super::OK)
     })
@@ -52,7 +52,7 @@ unsafe fn tell<T>(
 /// Writes the time of the last successful step, s.
 ///
 /// # Safety
-/// `value`: null or a place.
+/// `value`: null or an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetRealStatus(
     component: Component,
@@ -64,10 +64,10 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     unsafe { tell(component, known, value, |unit| unit.time_s()) }
 }
 
-/// Writes false: the unit never asks for the end of a simulation.
+/// Writes false: the unit never requests the end of a simulation.
 ///
 /// # Safety
-/// `value`: null or a place.
+/// `value`: null or an address.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBooleanStatus(
     component: Component,

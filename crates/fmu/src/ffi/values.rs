@@ -36,7 +36,7 @@ unsafe fn get<T>(
 /// Sets the value of each reference.
 ///
 /// # Safety
-/// As [`get`].
+/// Requirements of [`get`].
 unsafe fn set<T: Copy>(
     component: Component,
     references: *const c_uint,
@@ -77,7 +77,7 @@ pub unsafe extern "C" fn fmi2GetReal(
 /// Returns values of Boolean variables.
 ///
 /// # Safety
-/// As [`fmi2GetReal`].
+/// Requirements of [`fmi2GetReal`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetBoolean(
     component: Component,
@@ -96,7 +96,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
 /// Sets values of Real variables.
 ///
 /// # Safety
-/// As [`fmi2GetReal`].
+/// Requirements of [`fmi2GetReal`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetReal(
     component: Component,
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn fmi2SetReal(
 /// Sets values of Boolean variables.
 ///
 /// # Safety
-/// As [`fmi2GetReal`].
+/// Requirements of [`fmi2GetReal`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetBoolean(
     component: Component,
@@ -127,7 +127,7 @@ pub unsafe extern "C" fn fmi2SetBoolean(
 /// Functions for values of a type that no variable has: any reference is refused.
 macro_rules! of_no_variable {
     ($($function:ident($values:ty);)*) => {$(
-        /// There are no variables of this type.
+        /// Refuses any reference: no variable has this type.
         #[unsafe(no_mangle)]
         pub extern "C" fn $function(
             component: Component,

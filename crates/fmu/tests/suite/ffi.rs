@@ -1,4 +1,4 @@
-//! The C functions as an importer calls them: loaded from the library at run time, with a logger of its own.
+//! C functions as called by an importer: loaded from the library at run time, with a logger.
 #![allow(unsafe_code, reason = "this is what an importer does")]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
@@ -62,7 +62,7 @@ type Read = unsafe extern "C" fn(Component, *const u8, usize, *mut *mut c_void) 
 type Text = unsafe extern "C" fn() -> *const c_char;
 type RealStatus = unsafe extern "C" fn(Component, c_int, *mut f64) -> c_int;
 
-/// Every function of the standard for co-simulation.
+/// Names of all functions of the standard for co-simulation.
 const ALL: [&str; 34] = [
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",
@@ -100,7 +100,7 @@ const ALL: [&str; 34] = [
     "fmi2GetStringStatus",
 ];
 
-/// Resources of a unit of the paper's gear: their address and GUID.
+/// Writes the resources of a unit of the paper's gear; returns their address and GUID.
 fn resources(folder: &Path) -> (CString, CString) {
     let scene = Scene::load("paper", &[]).expect("paper");
     let model = Model::of(&Gearbox::new(&scene).expect("gearbox")).expect("model");
@@ -230,7 +230,7 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         assert_eq!(status(unit, 2, place.as_mut_ptr()), 0);
         assert!((place[0] - 5.002).abs() < 1e-12);
 
-        // The paper's method has a fixed step: a tolerance is told to have no effect.
+        // The paper's method has a fixed step, so a tolerance has no effect, with a note.
         let reset = function!(Plain, b"fmi2Reset");
         assert_eq!((reset(unit), setup(unit, 1, 1e-9, 0.0, 0, 0.0)), (0, 0));
         assert_eq!((enter(unit), exit(unit)), (0, 0));
@@ -246,11 +246,11 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
     }
 }
 
-/// A number in the shape of an address may go to any thread.
+/// Handle shared between threads; it is a number.
 #[derive(Clone, Copy)]
 struct Shared(Component);
 
-// SAFETY: what it stands for is found by its number and locked.
+// SAFETY: the unit is looked up by its number and locked.
 unsafe impl Send for Shared {}
 
 impl Shared {
@@ -259,7 +259,7 @@ impl Shared {
     }
 }
 
-/// Units in several threads, one unit in several threads, and steps that another thread ends: by cancelling or by freeing.
+/// Units in several threads, one unit in several threads, and steps that another thread ends by cancelling or freeing.
 #[test]
 fn hard_units_under_threads() {
     let folder = tempfile::tempdir().expect("folder");
@@ -300,7 +300,7 @@ fn hard_units_under_threads() {
             assert_eq!(get(unit, references.as_ptr(), references.len(), place), 0);
             values.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
         };
-        // Each its own: all the same to the bit.
+        // One unit for each thread: equal to the bit.
         let alone = new().get();
         for k in 0..20 {
             assert_eq!(step(alone, f64::from(k) * 1e-3, 1e-3, 1), 0);
@@ -318,7 +318,7 @@ fn hard_units_under_threads() {
         for thread in each.collect::<Vec<_>>() {
             assert_eq!(thread.join().expect("no panic"), wanted);
         }
-        // All the same one: every step is done once, by whoever came first.
+        // One unit for all threads: every step is computed once.
         let one = new();
         let each = (0..8).map(|_| {
             std::thread::spawn(move || {
@@ -329,7 +329,7 @@ fn hard_units_under_threads() {
         let done = each.collect::<Vec<_>>().into_iter();
         let done: usize = done.map(|thread| thread.join().expect("no panic")).sum();
         assert!((1..=20).contains(&done), "{done}");
-        // A step of a day ends when it is told to.
+        // A step of a day ends when cancelled.
         let long = new();
         assert_eq!(cancel(long.get()), 3, "no step is under way");
         for freed in [false, true] {

@@ -1,4 +1,4 @@
-//! Tests of units: by themselves, as importers call them, and as they are written.
+//! Tests of units, of their C interface and of their packages.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ mod ffi;
 mod package;
 mod unit;
 
-/// `libpinwheel_fmu` of this build, beside the tests.
+/// Returns the path of `libpinwheel_fmu` of this build, beside the tests.
 fn library() -> PathBuf {
     let name = format!(
         "{}pinwheel_fmu{}",

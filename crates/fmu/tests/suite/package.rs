@@ -1,6 +1,6 @@
-//! Units as they are written: the same bytes again, and in fmpy against the native run.
+//! Packages of units: reproducible bytes, and runs in fmpy against the native run.
 //!
-//! `PINWHEEL_FMPY` names a Python that has fmpy; without one that part says that it is skipped, unless `PINWHEEL_REQUIRE_FMPY` is
+//! `PINWHEEL_FMPY` names a Python with fmpy; without it that part is skipped with a note, unless `PINWHEEL_REQUIRE_FMPY` is
 //! set.
 
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ fn the_same_scene_gives_the_same_bytes() {
     let (one, two) = (bytes(&[], "A. Author"), bytes(&[], "A. Author"));
     assert!(one == two && one.1.starts_with(b"PK"));
     assert_ne!(bytes(&["gear.backlash_m=1e-4"], "A. Author").0, one.0);
-    // The imprint is no part of what tells units apart.
+    // The imprint does not affect the identifier.
     let other = bytes(&[], "Another");
     assert!(other.0 == one.0 && other.1 != one.1);
     println!("{} bytes", one.1.len());
@@ -62,8 +62,8 @@ fn bad_input_a_library_that_is_not_there() {
     );
 }
 
-/// Whatever a scene is called, the entries of its unit are the four that the standard wants, once each, below the folder it is
-/// unpacked to, and named as its description says.
+/// For any scene name the entries of its unit are the four of the standard, once each, inside the target folder, and named as
+/// in the description.
 #[test]
 fn hard_entries_are_those_of_the_standard() {
     let long = "n".repeat(100);
@@ -84,7 +84,7 @@ fn hard_entries_are_those_of_the_standard() {
         for k in 0..archive.len() {
             let mut entry = archive.by_index(k).expect("an entry");
             let (mut content, told) = (Vec::new(), entry.size());
-            // Reading to the end compares the check sum.
+            // Reading to the end verifies the check sum.
             entry.read_to_end(&mut content).expect("whole");
             assert_eq!(content.len() as u64, told, "{name}");
             assert!(entry.enclosed_name().is_some(), "{name}: {}", entry.name());
@@ -156,7 +156,7 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
             tolerance.as_str(),
             "solver.duration_s=0.02",
             "solver.sample_s=1e-4",
-            // What a description has to escape.
+            // Characters that a description has to escape.
             "name=a <b> & \"c\"",
             "description=1 < 2 & 'so'",
         ];

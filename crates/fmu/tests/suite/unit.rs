@@ -1,4 +1,4 @@
-//! Units against the native run, against themselves after a rollback, and held otherwise than by speed in and torque out.
+//! Units against the native run, after a rollback, and with other prescribed quantities than speed in and torque out.
 
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
@@ -39,7 +39,7 @@ fn get(unit: &mut Instance, model: &Model, name: &str) -> f64 {
     unit.real(reference(model, name)).expect(name)
 }
 
-/// Relative L2 distance to the column of a run.
+/// Returns the relative L2 distance from the column of a run.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let squares = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>();
     let off = squares(&mut a.iter().zip(b).map(|(a, b)| a - b));
@@ -53,7 +53,7 @@ const COMPARED: [&str; 4] = [
     "external_sleeve_force_n[4]",
 ];
 
-/// Difference of a unit from `run`, relative L2 over the samples that both have, at this communication step.
+/// Returns the difference of a unit from `run`, relative L2 over the common samples, at this communication step.
 fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let model = model(scene, sets);
     let gearbox = Gearbox::new(model.scene()).expect("gearbox");
@@ -89,7 +89,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     worst.fold(0.0, f64::max)
 }
 
-/// Measured: see docs/fmu.md. The unit steps as `run` does, but for where its steps end.
+/// Measured: see docs/fmu.md. Only the ends of steps differ between unit and `run`.
 #[test]
 fn crossval_a_unit_is_the_native_run_at_any_communication_step() {
     let sets = [
@@ -118,7 +118,7 @@ fn crossval_a_unit_with_friction_is_the_native_run() {
     }
 }
 
-/// Discs on needles, output pins that bend, sealed shafts.
+/// Discs on needles, bending output pins, sealed shafts.
 #[test]
 fn crossval_a_unit_with_floating_wheels_is_the_native_run() {
     for method in ["etd-adams", "dopri5"] {
@@ -133,13 +133,13 @@ fn crossval_a_unit_with_floating_wheels_is_the_native_run() {
         ];
         for step in [1e-3, 1e-4] {
             let off = against_run("paper-bearings", &sets, step);
-            // Measured 1.7e-6 of etd-adams, whose history begins anew at every communication point.
+            // Measured 1.7e-6 for etd-adams, whose history restarts at every communication point.
             assert!(off < 5e-6, "{method} {step}: {off:.2e}");
         }
     }
 }
 
-/// The scene's load with a ramp and jumps, which fall between communication points.
+/// The scene's load with a ramp and jumps between communication points.
 #[test]
 fn crossval_a_units_load_follows_the_scene() {
     let sets = [
@@ -175,7 +175,7 @@ const SCENES: [(&str, &[&str], &[(&str, bool)]); 8] = [
     ),
 ];
 
-/// Bits of all outputs over some steps of changing length, with inputs that change on the way.
+/// Returns the bits of all outputs over some steps of changing length, with changing inputs.
 fn bits(unit: &mut Instance, model: &Model, from: f64) -> Vec<u64> {
     let mut all = Vec::new();
     let mut time = from;
@@ -199,7 +199,7 @@ fn bits(unit: &mut Instance, model: &Model, from: f64) -> Vec<u64> {
     all
 }
 
-/// Back in the same unit, and from bytes in another one: what follows is the same to the bit.
+/// After a rollback in the same unit, or from bytes in another one, the outputs are equal to the bit.
 #[test]
 fn a_rollback_is_exact() {
     for (scene, sets, flags) in SCENES {
@@ -238,8 +238,8 @@ fn bad_input_states_of_something_else_are_refused() {
     unit.restore(&state).expect("still there");
 }
 
-/// The torque that a prescribed speed takes, applied to a free input shaft, gives that speed: the same motion from the other
-/// side. What is left is the torque's bend between communication points, which falls with their square.
+/// Torque of a prescribed speed, applied to a free input shaft, reproduces that speed. The error is the torque's curvature
+/// between communication points, which falls with the square of their distance.
 #[test]
 fn crossval_torque_in_gives_back_the_speed_it_came_from() {
     let model = model(
@@ -264,7 +264,7 @@ fn crossval_torque_in_gives_back_the_speed_it_came_from() {
                 torques.push(get(&mut by_speed, &model, "input_torque_n_m"));
                 wanted.push(get(&mut by_speed, &model, "input_speed_rad_s"));
             }
-            // One step is taken as it was; then the torque holds the shaft.
+            // One equal step, then the torque drives the shaft.
             let mut by_torque = begun(&model, &[], &[("drive_by_torque", true)]);
             let torque = reference(&model, "drive_torque_n_m");
             let mut first = begun(&model, &[], &[]);
@@ -286,11 +286,11 @@ fn crossval_torque_in_gives_back_the_speed_it_came_from() {
             off
         })
         .collect();
-    // Measured 6.3e-2 and 1.6e-2 of 52 rad/s: the shaft is light, and its torque swings with the contacts.
+    // Measured 6.3e-2 and 1.6e-2 of 52 rad/s: the shaft is light, and its torque oscillates with the contacts.
     assert!(errors[0] < 0.1 && errors[1] < errors[0] / 3.0, "{errors:?}");
 }
 
-/// A speed that results from a load, prescribed on the output, takes that load.
+/// A speed that results from a load, prescribed on the output, requires that load.
 #[test]
 fn crossval_speed_out_takes_the_load_it_came_from() {
     let model = model(
@@ -324,14 +324,14 @@ fn crossval_speed_out_takes_the_load_it_came_from() {
     println!(
         "angle off by {off:.2e} rad, torque by {apart:.2e} of the load, the load by {taken:.2e}"
     );
-    // Measured 9.1e-8, 3.1e-4 and 5.8e-3, the last by the speed's bends between communication points.
+    // Measured 9.1e-8, 3.1e-4 and 5.8e-3, the last from the speed's curvature between communication points.
     assert!(
         off < 2e-7 && apart < 1e-3 && taken < 2e-2,
         "{off:.2e} {apart:.2e} {taken:.2e}"
     );
 }
 
-/// The shaft's angle is the integral of a speed that is straight in time, however long the steps.
+/// The shaft's angle is the integral of a speed that is linear in time, for any step length.
 #[test]
 fn derivatives_of_inputs_count() {
     let model = model("paper", &[]);
@@ -343,12 +343,12 @@ fn derivatives_of_inputs_count() {
     let angle = get(&mut unit, &model, "input_angle_rad");
     assert!((angle - (begin * 2e-3 - 250.0 * 4e-6)).abs() < 1e-15);
     assert!((get(&mut unit, &model, "input_speed_rad_s") - (begin - 1.0)).abs() < 1e-12);
-    // For one step only; the value that was set holds.
+    // Valid for one step only; afterwards the set value applies.
     unit.step(2e-3, 1e-3).expect("step");
     assert_eq!(get(&mut unit, &model, "input_speed_rad_s"), begin);
 }
 
-/// A load that the importer gives instead of the scene's, and a stiffness of its own, are those of a scene that has them.
+/// A load and a stiffness set by the importer act like those of a scene with these values.
 #[test]
 fn parameters_and_loads_are_those_of_a_scene_that_has_them() {
     let sets = ["solver.integrator=dopri5", "solver.tolerance=1e-10"];
@@ -377,8 +377,8 @@ fn parameters_and_loads_are_those_of_a_scene_that_has_them() {
     }
 }
 
-/// Nominal values of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two discs, e = 2.8 mm, 16 ring pins, 8
-/// internal at 38 mm.
+/// Nominal values of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two discs, e = 2.8 mm, 16 ring pins, 8 output pins at 38
+/// mm.
 const NOMINAL: [(&str, f64); 6] = [
     ("gear.eccentricity_m", 0.0028),
     ("load_torque_n_m", 22.0),
@@ -391,7 +391,7 @@ const NOMINAL: [(&str, f64); 6] = [
     ("internal_sleeve_force_n[1]", 4.0 * 11.0 / (8.0 * 0.038)),
 ];
 
-/// One that does nothing is not offered, and elements of arrays say which pin they are of.
+/// Variables without an effect are not offered, and array elements name their pin.
 #[test]
 fn variables_do_something_and_say_what() {
     let offers = |sets: &[&str]| {
@@ -491,7 +491,7 @@ fn bad_input_wrong_moments_and_values_are_refused() {
     says(unit.step(5.002, 1e-3), "beyond the stop time");
 }
 
-/// Units in threads of their own do what one alone does.
+/// Units in separate threads behave like a single one.
 #[test]
 fn units_do_not_know_of_each_other() {
     let model = model("paper-friction", &["solver.integrator=auto"]);
@@ -507,7 +507,7 @@ fn units_do_not_know_of_each_other() {
     assert!(all.iter().all(|bits| *bits == alone));
 }
 
-/// Whatever is prescribed, within bounds: a gear that runs away is seen on the way, and the step ends.
+/// For any inputs within bounds a diverging gear is detected during the step, which ends.
 #[test]
 fn hard_no_input_makes_a_step_endless() {
     let model = model("paper", &["solver.integrator=auto"]);

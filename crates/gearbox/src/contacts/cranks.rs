@@ -7,10 +7,10 @@
 //! (both at rest)                                               sum_i (R90 e_i u(gamma_j + phi_i)).F_ij = k_m r^2 t_j
 //! crank   m_j = sum_i a_i x F_ij               input   -rho m_j       output   (1 + rho) m_j + S_j x sum_i F_ij
 //! ```
-//! S_j is the crank's place on the output, t_j its turn in the mesh of its planet of base radius r, and a_i the place of an
-//! eccentric on its crank in C_ij and m_j. Supports and mesh are springs without mass, so that s_j and t_j follow from the
-//! positions of the other bodies; dampers are parallel to them. The planets' mesh turns the output by a force across S_j at the
-//! crank. The load that a crank transmits to the output is therefore one force at its centre.
+//! S_j is the crank's position on the output, t_j its rotation in the mesh of its planet of base radius r, and a_i the position
+//! of an eccentric on its crank in C_ij and m_j. Supports and mesh are springs without mass, so that s_j and t_j follow from
+//! the positions of the other bodies; dampers are parallel to them. The planets' mesh turns the output by a force across S_j at
+//! the crank. The load that a crank transmits to the output is therefore one force at its centre.
 
 mod derivatives;
 
@@ -30,7 +30,7 @@ use crate::{Layout, Sleeve};
 const WHEELS: usize = 64;
 /// Bearings of a crank, one per disc.
 pub(super) type OfCrank = ArrayVec<CrankBearing, WHEELS>;
-/// Largest numbers of Newton steps for the place of a crank and of halvings of one step, and the tolerance of the forces.
+/// Largest numbers of Newton steps for the position of a crank and of halvings of one step, and the tolerance of the forces.
 const STEPS: usize = 40;
 const HALVINGS: usize = 8;
 const LEFT: f64 = 1e-14;
@@ -188,7 +188,7 @@ impl CrankSet {
         }
     }
 
-    /// See [`Carrier::share`](crate::carrier::Carrier::share).
+    /// Reduces deflections and clearance, see [`Carrier::share`](crate::carrier::Carrier::share).
     pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let mut less = self.clone();
         less.law = self.law.share(share, of_clearance);
@@ -316,7 +316,7 @@ impl CrankSet {
         }
     }
 
-    /// Returns the bearing of a disc on a crank without deflection, whose load is not known yet.
+    /// Returns the bearing of a disc on a crank without deflection, with a load still to be computed.
     #[inline]
     fn unloaded<S: Scalar>(
         &self,
@@ -346,7 +346,7 @@ impl CrankSet {
         }
     }
 
-    /// Returns the bearing's law in a bore with a clearance of its own.
+    /// Returns the bearing's law in a bore with its additional clearance.
     pub(crate) fn law(&self, wheel: usize, crank: usize) -> BearingLaw {
         let (_, extra_m) = self.bores[wheel][crank];
         BearingLaw {
@@ -380,7 +380,7 @@ impl CrankSet {
         (springs, left)
     }
 
-    /// Returns the springs of support and mesh alone.
+    /// Returns the springs of support and mesh only.
     fn springs(&self) -> Springs {
         let support = self.support.unwrap_or_default();
         Springs {
@@ -390,11 +390,11 @@ impl CrankSet {
         }
     }
 
-    /// Solves the deflection of a crank: the only balance of a convex potential, from rest by Newton's method.
+    /// Solves the deflection of a crank, the only equilibrium of a convex potential, by Newton's method from rest.
     fn deflection(&self, crank: usize, bearings: &[CrankBearing]) -> Deflection {
         let own = self.springs();
         let ([support, ..], mesh) = (own.support, own.mesh);
-        // Residual force, its derivatives, and the sum of the forces' sizes.
+        // Residual force, its derivatives, and the sum of the forces' magnitudes.
         let left = |[x, y, turned]: Deflection| {
             let (mut force, mut springs, mut size) = (
                 [-support * x, -support * y, -mesh * turned],
@@ -435,7 +435,7 @@ impl CrankSet {
                 }
                 share *= 0.5;
             }
-            // No further progress because of rounding.
+            // Rounding prevents further progress.
             let Some((there, balance)) = next else { break };
             given = there;
             (force, springs, size) = balance;

@@ -14,15 +14,15 @@ use crate::scene::{self, Scene};
 /// Contact point of a pair in the disc's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch<S = f64> {
-    /// W, m from the disc's centre.
+    /// Contact point W, m from the disc's centre.
     pub point: Complex<S>,
-    /// n, from the pin centre to W.
+    /// Unit vector n from the pin centre to W.
     pub normal: Complex<S>,
-    /// delta, m; above 0 but for `Detection::profile_gap` and `Detection::hole_gap`.
+    /// Penetration delta, m; above 0 except for `Detection::profile_gap` and `Detection::hole_gap`.
     pub penetration: S,
-    /// K, N/m^1.5.
+    /// Stiffness K, N/m^1.5.
     pub stiffness: S,
-    /// Growth of K as P moves along t = R90 n, N/m^2.5; 0 where K is constant or only known at points.
+    /// Growth of K as P moves along t = R90 n, N/m^2.5; 0 where K is constant or only defined at points.
     pub stiffness_slope: S,
 }
 
@@ -40,7 +40,7 @@ impl<S: Scalar> Touch<S> {
         }
     }
 
-    /// Returns the touch on a disc that is turned by e^{i angle} = `by`.
+    /// Returns the touch on a disc rotated by e^{i angle} = `by`.
     pub(super) fn turned(self, by: Complex) -> Self {
         let by = by.like(self.penetration);
         Self {
@@ -52,16 +52,15 @@ impl<S: Scalar> Touch<S> {
 }
 
 impl Touch {
-    /// Returns true if a pin of radius `radius` penetrates by more than 0 and less than its radius.
+    /// True if a pin of radius `radius` penetrates by more than 0 and less than its radius.
     fn presses(&self, radius: f64) -> bool {
         self.penetration > 0.0 && self.penetration < radius
     }
 }
 
-/// Finds the contact of one pin centre `p` (disc frame) with the disc.
+/// Detection of the contact of one pin centre `p` (disc frame) with the disc.
 pub(super) trait Detection: Send + 'static {
-    /// Returns the detection that touches are differentiated with. Nearest points have none, because they
-    /// jump.
+    /// Returns the exact detection for derivatives of touches; `None` for nearest points, which jump.
     fn exact(&self) -> Option<&Exact> {
         None
     }
@@ -81,7 +80,7 @@ pub(super) trait Detection: Send + 'static {
 #[derive(Debug, Clone, Copy)]
 struct External {
     radius: f64,
-    /// Excess of its radius over the generating pin's, m: it touches where its centre is less than that outside C.
+    /// Excess of the radius over the generating pin's, m: the pin touches if its centre is less than that outside C.
     larger: f64,
 }
 
@@ -108,7 +107,7 @@ impl Internal {
     }
 }
 
-/// Data that both detections share.
+/// Data common to both detections.
 #[derive(Debug, Clone)]
 struct Shapes {
     curve: Epitrochoid,
@@ -158,8 +157,8 @@ impl Shapes {
         self.curve.foot_within(p, start, self.external[j].larger)
     }
 
-    /// dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the way |C'| (1 + s kappa) that P, s outside of C,
-    /// moves with da, along t = R90 n; n is minus the curve's normal, so t points towards smaller a.
+    /// Returns dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the distance |C'| (1 + s kappa) that P, s
+    /// outside of C, moves with da, along t = R90 n; n is minus the curve's normal, so t points towards smaller a.
     fn stiffness_slope<S: Scalar>(&self, j: usize, foot: &Foot<S>, stiffness: S) -> S {
         let c = |x: f64| stiffness.like(x);
         if !self.hertz.is_curved() {
@@ -204,14 +203,14 @@ impl Exact {
         }
     }
 
-    /// Returns the touch of ring pin `j` with derivatives, about the foot e^{ia} = `unit` of the value of `p`.
+    /// Returns the touch of ring pin `j` with derivatives, at the foot e^{ia} = `unit` of the value of `p`.
     pub(super) fn beside<const N: usize>(
         &self,
         j: usize,
         p: Complex<Dual<N>>,
         unit: Complex,
     ) -> Touch<Dual<N>> {
-        // The touch depends on the pin's position alone, whose two coordinates are fewer variables than all that move it.
+        // The touch depends only on the pin's position, whose two coordinates are fewer variables than all that move it.
         let [x, y] = Dual::variables([p.re.value, p.im.value]);
         let touch = self.at(j, &self.0.curve.foot_beside(unit, Complex::new(x, y)));
         let own = [p.re, p.im];
@@ -250,7 +249,7 @@ fn outwards<S: Scalar>(offset: Complex<S>) -> Complex<S> {
 }
 
 impl Detection for Exact {
-    // Of an offset only values are known, not their derivatives.
+    // A curve with an offset provides values only, no derivatives.
     fn exact(&self) -> Option<&Exact> {
         (!self.0.curve.has_offset()).then_some(self)
     }
@@ -320,8 +319,7 @@ impl Points {
         Touch::at_point(p, vertex.position, radius, stiffness)
     }
 
-    /// Returns the touch of an output pin at the point of its hole that is nearest to `p`; the points start along the disc's x
-    /// axis.
+    /// Returns the touch of an output pin at the point of its hole nearest to `p`; the points begin along the disc's x axis.
     #[inline]
     fn rim(&self, internal: &Internal, p: Complex) -> Touch {
         let Hole { centre, radius } = internal.hole;

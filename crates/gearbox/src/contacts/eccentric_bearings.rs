@@ -1,4 +1,4 @@
-//! Elastic bearings that discs float on, one on each eccentric of the input: their forces on discs and input.
+//! Elastic bearings of floating discs, one on each eccentric of the input: their forces on discs and input.
 
 use pinwheel_contact::{Complex, Dual, Scalar};
 use pinwheel_mbs::{BodyState, ContactEnergy, Derivatives, Variable, Wrench};
@@ -70,7 +70,7 @@ impl EccentricBearings {
         BearingLoad::of(&self.law, offset, velocity, wheel.rate - rate)
     }
 
-    /// Adds the loads of all bearings, and their moments to `moments`: input and discs turn about their centres of mass.
+    /// Adds the loads of all bearings, and their moments about the centres of mass of input and discs to `moments`.
     #[inline]
     pub(crate) fn add_loads(
         &self,

@@ -15,18 +15,18 @@ use crate::{Layout, Sleeve};
 
 /// Pins that do not turn, in gears with friction.
 ///
-/// Their rate at a contact is that of what holds them, and the moment on them acts there: on the output, or on the housing. Engines
-/// whose pins have revolutes need not know of it.
+/// Their rate at a contact is that of their holder, the output or the housing, on which their moment acts. Engines whose pins
+/// have revolutes do not need them.
 pub(crate) struct HeldPins {
     layout: Layout,
-    /// True for ring and for output pins that are held.
+    /// True for fixed ring pins and for fixed output pins.
     held: [bool; 2],
     /// States with the pins' rates.
     bodies: Vec<BodyState>,
 }
 
 impl HeldPins {
-    /// Returns the held pins of a scene; `None` where all turn, or nothing rubs on them.
+    /// Returns the fixed pins of a scene; `None` if all turn, or none has friction.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let (gear, sliding) = (&scene.gear, scene.sliding());
         let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];
@@ -38,7 +38,7 @@ impl HeldPins {
         })
     }
 
-    /// Returns the bodies of ring and of output pins that are held, with the body that holds the latter.
+    /// Returns the bodies of the fixed ring and output pins, with the holder of the latter.
     fn pins(&self) -> [(Range<usize>, Option<usize>); 2] {
         let ring = self.layout.external_bodies();
         let output = self.layout.internal_bodies();
@@ -49,7 +49,7 @@ impl HeldPins {
         ]
     }
 
-    /// Returns the states with the rates of the held pins.
+    /// Returns the states with the rates of the fixed pins.
     fn seen<'a>(held: &'a mut Option<Self>, bodies: &'a [BodyState]) -> &'a [BodyState] {
         let Some(held) = held else {
             return bodies;
@@ -65,7 +65,7 @@ impl HeldPins {
         &held.bodies
     }
 
-    /// Moves the moments on the held pins to what holds them.
+    /// Transfers the moments on the fixed pins to their holder.
     fn pass_on(&self, loads: &mut [Wrench]) {
         for (pins, holder) in self.pins() {
             let moments = loads[pins].iter_mut().map(|pin| take(&mut pin.moment));
@@ -77,7 +77,7 @@ impl HeldPins {
     }
 }
 
-/// Contacts of a gear with the bearings that its discs float on, and the seals of its shafts. `bodies` and loads are in
+/// Contacts of a gear with the bearings of its floating discs, and the seals of its shafts. `bodies` and loads are in
 /// [`Layout`](crate::Layout) order.
 ///
 /// The field keeps no history: equal states give equal bits.
@@ -93,13 +93,13 @@ pub struct ContactField {
 }
 
 impl ContactField {
-    /// See [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles): without friction of the contacts.
+    /// True without friction of the contacts; see [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles).
     #[must_use]
     pub fn work_from_angles(&self) -> bool {
         self.contacts.work_from_angles()
     }
 
-    /// See [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives): with exact detection.
+    /// True with exact detection; see [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives).
     #[must_use]
     pub fn have_derivatives(&self) -> bool {
         self.contacts.have_derivatives()
@@ -108,7 +108,7 @@ impl ContactField {
     /// Adds to the outputs of `request`: loads (force, and moment about the centre of mass), moments about the pins,
     /// derivatives, and the energy that contacts store and dissipate. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
-    /// Derivatives assume that the input turns at a constant rate. Discs without free places move with it.
+    /// Derivatives assume that the input turns at a constant rate. Discs whose positions are not free move with it.
     pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         let seen = HeldPins::seen(&mut self.held, bodies);
         self.contacts.evaluate(seen, request);

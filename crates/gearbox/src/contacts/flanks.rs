@@ -1,9 +1,10 @@
-//! Disc whose flanks are turned towards the middle of their lobes: the intersection of two discs, turned by +delta and -delta.
+//! Disc whose flanks are rotated towards the middle of their lobes: the intersection of two discs, rotated by +delta and
+//! -delta.
 //!
-//! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the disc turned by -delta, from there
-//! to the next lobe that of the other one. The two edges meet in corners, all of which are convex. A pin touches the nearer of
-//! the feet that lie on the disc's edge, or, if none does, the corner between them. A corner has no radius of its own; its
-//! stiffness is that of the flanks that end there.
+//! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the disc rotated by -delta, from
+//! there to the next lobe that of the other one. The two edges meet in corners, all of which are convex. A pin touches the
+//! nearer of the feet on the disc's edge, or, if there is none, the corner between them. A corner has no radius; its stiffness
+//! is that of the adjacent flanks.
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use pinwheel_contact::Complex;
 use super::detection::Touch;
 use crate::geometry::Geometry;
 
-/// Edge of a disc whose flanks are turned.
+/// Edge of a disc with rotated flanks.
 pub struct Flanks {
     /// Rotation e^{i delta} of a flank.
     turn: Complex,
@@ -32,19 +33,19 @@ struct Corner {
 /// Contact point of a pin on the profile.
 #[derive(Clone, Copy)]
 pub enum Seat {
-    /// At the curve's point e^{ia} of a disc that is turned.
+    /// Curve point e^{ia} of a rotated disc.
     Foot {
         /// Point e^{ia} of the curve.
         unit: Complex,
         /// Rotation e^{i angle} of the disc.
         turn: Complex,
     },
-    /// At a corner between flanks, or in a hole.
+    /// Corner between flanks, or a hole.
     Corner,
 }
 
 impl Flanks {
-    /// Returns the edge of a disc with turned flanks; `None`: flanks are not turned.
+    /// Returns the edge of a disc with rotated flanks; `None` if they are not rotated.
     pub fn of(geometry: &Geometry) -> Option<Self> {
         let turn = geometry.flanks?;
         let curve = &geometry.curve;
@@ -53,7 +54,7 @@ impl Flanks {
             let at = curve.at(a);
             at.position - at.normal.scale(geometry.edge_offset_m)
         };
-        // The corner is the point of the edge whose polar angle is delta beyond the middle: turned back by delta, it lies in
+        // The corner is the point of the edge with a polar angle of delta beyond the middle: rotated back by delta, it is in
         // the middle.
         let corner = |middle: f64| {
             let beyond = Complex::unit(middle) * turn;
@@ -93,7 +94,7 @@ impl Flanks {
         stiffness: impl Fn(f64) -> f64,
     ) -> (Touch, Seat) {
         let [ccw, cw] = feet;
-        // Counter-clockwise of a lobe's middle lies the disc that is turned clockwise.
+        // Counter-clockwise of a lobe's middle is the disc that is rotated clockwise.
         let side = |touch: &Touch| (self.lobes * touch.point.arg()).sin();
         match (side(&ccw.0) <= 0.0, side(&cw.0) >= 0.0) {
             (true, true) if cw.0.penetration > ccw.0.penetration => cw,

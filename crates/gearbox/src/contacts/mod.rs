@@ -1,4 +1,4 @@
-//! Contacts between discs and pins: detection, law and friction put together for a scene.
+//! Contacts between discs and pins: detection, law and friction combined for a scene.
 
 pub(crate) mod bearing_load;
 pub(crate) mod cranks;
@@ -35,17 +35,17 @@ use pairs::Pairs;
 use pin_friction::PinFriction;
 pub(crate) use seals::Seals;
 
-/// Contact loop that evaluates exact detection. All loops give equal forces to 1e-13 relative.
+/// Contact loop for exact detection. All loops give equal forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kernel {
-    /// Eight pairs at a time with the vector instructions that the processor has.
+    /// Eight pairs at a time with the processor's vector instructions.
     #[default]
     Lanes,
     /// Pairs in lanes with AVX2 at most, as on a processor without AVX-512.
     Avx2,
-    /// Pairs in lanes without any vector instructions of the processor.
+    /// Pairs in lanes without vector instructions.
     Portable,
-    /// One pair after the other: the readable form, kept as the reference of the lanes.
+    /// One pair after the other: the readable form, the reference for the lanes.
     Scalar,
 }
 
@@ -53,7 +53,7 @@ impl Kernel {
     /// All contact loops.
     pub const ALL: [Self; 4] = [Self::Lanes, Self::Avx2, Self::Portable, Self::Scalar];
 
-    /// Returns the vector instructions of the loop's lanes: the processor's best, or fewer.
+    /// Returns the vector instructions of the loop: the processor's best, or fewer.
     fn arch(self) -> pulp::Arch {
         match self {
             Self::Lanes => pulp::Arch::new(),
@@ -85,7 +85,7 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// Returns the contacts alone, without bearings and seals.
+/// Returns the contacts only, without bearings and seals.
 #[doc(hidden)]
 pub fn contacts(
     scene: &Scene,
@@ -98,7 +98,7 @@ pub fn contacts(
     let (scene, geometry) = match scene.cranks {
         Some(_) => {
             let gear = scene.gear.without_internal_sleeves();
-            // Parameters that the law takes from holes are kept.
+            // Parameters of the law that depend on holes are kept.
             let known = law_parameters(scene);
             let mut scene = Scene {
                 gear,

@@ -1,14 +1,14 @@
-//! States of the bodies that a contact or bearing joins, with derivatives or without.
+//! States of the bodies that a contact or bearing joins, with or without derivatives.
 
 use pinwheel_contact::{Complex, Dual, Scalar};
 use pinwheel_mbs::{BodyState, Variable};
 
-/// Place, direction and velocities of a body.
+/// Position, direction and velocities of a body.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<S = f64> {
     pub(super) place: Complex<S>,
     pub(super) velocity: Complex<S>,
-    /// e^{i angle}.
+    /// Rotation e^{i angle}.
     pub(super) turn: Complex<S>,
     pub(super) rate: S,
 }
@@ -89,17 +89,17 @@ pub(super) fn of_values<const N: usize>(
     }
 }
 
-/// Returns a coordinate by its number; `None`: a function of time with this speed.
+/// Returns a coordinate by its number; `None` for a function of time with this speed.
 pub(super) fn position(number: Option<usize>, speed: f64) -> Variable {
     number.map_or(Variable::Time(speed), Variable::Position)
 }
 
-/// Returns the rate of a coordinate by its number; `None`: a function of time with this acceleration.
+/// Returns the rate of a coordinate by its number; `None` for a function of time with this acceleration.
 pub(super) fn rate(number: Option<usize>, acceleration: f64) -> Variable {
     number.map_or(Variable::Time(acceleration), Variable::Rate)
 }
 
-/// Returns the variables of a disc's [`values`]; a disc without free places moves round with the input.
+/// Returns the variables of a disc's [`values`]; a disc whose position is not free moves with the input.
 pub(super) fn variables(
     coordinates: &pinwheel_mbs::Coordinates,
     number: usize,

@@ -1,38 +1,37 @@
-//! One pair of disc and pin, and the loops over all pairs of a gear.
+//! Pair of disc and pin, and the loops over all pairs of a gear.
 
 use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation};
 
 use crate::Sleeve;
 
-/// One pair of disc and pin at its closest points.
+/// Pair of disc and pin at its closest points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairContact {
     /// Disc number (0, 1, ...), not a body index.
     pub wheel: usize,
     /// Pin of the pair.
     pub sleeve: Sleeve,
-    /// W, the disc's point closest to the pin centre; both forces act here. Ground frame, m.
+    /// Contact point W, the disc's point closest to the pin centre, where both forces act. Ground frame, m.
     pub point: [f64; 2],
-    /// n, unit vector from the pin centre P to W. Ground frame.
+    /// Unit vector n from the pin centre P to W. Ground frame.
     pub normal: [f64; 2],
-    /// Penetration delta, m: above 0 in contact, below 0 a gap. For a sleeve on a pin that bends, it contains contact and
-    /// bending.
+    /// Penetration delta, m: above 0 in contact, below 0 a gap. For a sleeve on a bending pin it includes contact and bending.
     pub penetration_m: f64,
-    /// v_n = d(delta)/dt, m/s.
+    /// Closing speed v_n = d(delta)/dt, m/s.
     pub normal_rate_m_s: f64,
-    /// v_t along t = R90 n, pin relative to disc, m/s.
+    /// Sliding speed v_t along t = R90 n, pin relative to disc, m/s.
     pub tangential_rate_m_s: f64,
-    /// K, N/m^1.5.
+    /// Stiffness K, N/m^1.5.
     pub stiffness: f64,
-    /// F_n >= 0, N: pushes the pin along -n, the disc along +n.
+    /// Normal force F_n >= 0, N: pushes the pin along -n, the disc along +n.
     pub normal_force_n: f64,
-    /// Force along t on the pin, N (opposite sign to v_t); the disc takes its reaction.
+    /// Force along t on the pin, N (opposite sign to v_t); its reaction acts on the disc.
     pub friction_force_n: f64,
-    /// Force along t **at the pin's centre** on the pin, N, its reaction on the disc at the same point:
-    /// the part of an energy's gradient that lies along the profile; 0 for laws that are normal only.
+    /// Force along t **at the pin's centre** on the pin, N, with its reaction on the disc at the same point: the part of an
+    /// energy's gradient along the profile; 0 for laws with a normal force only.
     pub along_force_n: f64,
-    /// The pin's centre P. Ground frame, m.
+    /// Pin centre P. Ground frame, m.
     pub centre: [f64; 2],
     /// Stiffness of the pin, or of its seat, in series with the contact, N/m; `None`: rigid.
     pub pin_n_m: Option<f64>,
@@ -41,8 +40,8 @@ pub struct PairContact {
 }
 
 impl PairContact {
-    /// Returns the force on the pin in the ground frame, N. The disc takes the opposite. The force acts at W, except for
-    /// [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
+    /// Returns the force on the pin in the ground frame, N; the opposite force acts on the disc. The force acts at W, except
+    /// for [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
     #[must_use]
     pub fn force_on_sleeve(&self) -> [f64; 2] {
         let [nx, ny] = self.normal;
@@ -76,7 +75,7 @@ impl PairContact {
 
 /// Contacts of all discs and pins of a gear. `bodies` and loads are in [`Layout`](crate::Layout) order.
 ///
-/// Implementations keep no history: the same states give the same bits.
+/// Implementations keep no history: equal states give equal bits.
 pub trait PairField: Send {
     /// See [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles).
     fn work_from_angles(&self) -> bool;

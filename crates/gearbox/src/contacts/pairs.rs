@@ -31,7 +31,7 @@ pub(super) struct Pairs<D> {
     shared: Option<SharedPins>,
 }
 
-/// Rates and forces of a touch, still in the disc's frame.
+/// Rates and forces of a touch, in the disc's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Loaded<S = f64> {
     pub(super) touch: Touch<S>,

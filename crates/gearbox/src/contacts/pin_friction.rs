@@ -3,11 +3,11 @@
 //! ```text
 //! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
-//! A sleeve passes on the smaller of two moments: where T is less than the contact's own friction at v_t, it rolls on the disc and
-//! slides on its pin; else it stands on its pin and the disc slides on it. A contact without friction is taken to hold.
-//! A sleeve that rolls at v_t/r on a pin of diameter d loses the power mu F_n d/2 times that rate, and T takes as much from the
-//! disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on its own diameter.
-//! slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
+//! A sleeve transmits the smaller of two moments. Where T is less than the contact's own friction at v_t, it rolls on the disc
+//! and slides on its pin; otherwise it stands on its pin and the disc slides on it. A contact without stated friction is
+//! assumed not to slide. A sleeve that rolls at v_t/r on a pin of diameter d loses the power mu F_n d/2 times that rate, which
+//! T takes from the disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on
+//! its own diameter. slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
 
 use pinwheel_contact::{AdamsFriction, Friction, Lanes, Real, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
@@ -25,7 +25,7 @@ pub(crate) struct PinFriction {
     friction_coefficient: f64,
     /// Lever mu d/2 of the friction, m.
     lever_m: f64,
-    /// Friction between disc and sleeve, if it is stated.
+    /// Friction between disc and sleeve, if stated.
     contact: Option<Friction>,
     layout: Layout,
 }
@@ -72,7 +72,7 @@ pub(super) fn friction(contact: &scene::Contact, coefficient: f64) -> Friction {
 }
 
 impl PinFriction {
-    /// Returns the friction of ring and of output pins; `None` where pins do not turn or have none.
+    /// Returns the friction of ring and of output pins; `None` for pins that do not turn or have no friction.
     pub(super) fn of(scene: &Scene) -> [Option<Self>; 2] {
         let (bearings, contact) = (&scene.bearings, &scene.contact);
         scene.rolling().map(|rolls| {

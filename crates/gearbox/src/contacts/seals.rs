@@ -1,9 +1,9 @@
-//! Seals of the shafts: a torque against their turning.
+//! Seals of the shafts: a torque against their rotation.
 //!
 //! ```text
 //! M = -T clamp(rate/slow, -1, 1)
 //! ```
-//! slow is 1 rad/s at the input, and smaller at the output by the ratio of the speeds.
+//! slow is 1 rad/s at the input, and smaller at the output by the speed ratio.
 
 use pinwheel_mbs::{BodyState, Derivatives, Evaluation};
 
@@ -46,7 +46,7 @@ impl Seals {
         })
     }
 
-    /// Adds the loads, moments, derivatives and energy that are requested.
+    /// Adds the requested loads, moments, derivatives and energy.
     pub(super) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         if let Some(loads) = request.loads.as_deref_mut() {
             self.add_moments(bodies, loads, |load| &mut load.moment);

@@ -1,20 +1,20 @@
-//! Possible error of an energy account between its entries, as that of sampled means, from the sixth difference of seven
-//! entries ([`pinwheel_timeseries::sampling`]).
+//! Uncertainty of an energy account between its entries, as for sampled means, from the sixth difference of seven entries
+//! ([`pinwheel_timeseries::sampling`]).
 
 use pinwheel_timeseries::sampling::{POINTS, sixth_difference};
 
-/// Two powers, W: that whose integral is the remainder, apart from the growth of kinetic and stored energy, and that of the
+/// Two powers, W: the one whose integral is the remainder, except for the growth of kinetic and stored energy, and that of the
 /// losses.
 pub(super) type Two = [f64; 2];
 
-/// Squares of the possible errors of both integrals, J^2, up to the last entry but three.
+/// Squares of the uncertainties of both integrals, J^2, up to the last entry but three.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Scatter {
-    /// Sums of squares of segments that ended and of the present one.
+    /// Sums of squares of completed segments and of the present one.
     squares: Two,
     /// Values of the last evaluated interval.
     last: Two,
-    /// Number of entries of the present segment that are kept, at most seven.
+    /// Number of stored entries of the present segment, at most seven.
     len: usize,
     is_known: bool,
     times: [f64; POINTS],
@@ -53,7 +53,7 @@ impl Scatter {
         }
     }
 
-    /// Returns the squares so far. With fewer than seven entries only their range is known.
+    /// Returns the squares so far; with fewer than seven entries their range applies.
     pub(super) fn squares(&self) -> Two {
         let mut all = self.squares;
         if self.is_known || self.len == 0 {

@@ -1,4 +1,4 @@
-//! Remedy for a failed setting of a scene: a setting that was tried and works.
+//! Remedy for a failed setting of a scene: a tested setting that works.
 
 use std::time::{Duration, Instant};
 
@@ -6,8 +6,8 @@ use super::{BUDGET, run_resolved};
 use crate::scene::CheckedScene;
 use crate::{Gearbox, auto};
 
-/// Tries `solver.integrator = "auto"` on a scene whose named method failed, for no longer than `longest` of wall time. It
-/// returns the result in words. `None` if that does not resolve the scene, takes longer, or is the scene's own setting.
+/// Tries `solver.integrator = "auto"` on a scene whose named method failed, for at most `longest` of wall time. Returns the
+/// result in words; `None` if `auto` does not resolve the scene, takes longer, or is the scene's own setting.
 #[must_use]
 pub fn remedy(scene: &CheckedScene, longest: Duration) -> Option<String> {
     if scene.solver.integrator == auto::AUTO {

@@ -8,11 +8,11 @@ use crate::Distance;
 /// One run of a refinement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Level {
-    /// Method.
+    /// Method of the run.
     pub integrator: String,
     /// Setting that determines the level's steps, in words.
     pub setting: String,
-    /// Evaluations of the forces.
+    /// Number of evaluations of the forces.
     pub evaluations: u64,
     /// Distance of the forces from those of the previous level, if that finished.
     pub moved: Option<Distance>,
@@ -26,7 +26,7 @@ pub struct Level {
 pub enum Verdict {
     /// The target was reached.
     Resolved,
-    /// The target was not reached; the reached accuracy is [`Uncertainty::error`].
+    /// Target not reached; the reached accuracy is [`Uncertainty::error`].
     NotResolved {
         /// Reason why the refinement ended.
         reason: String,
@@ -40,33 +40,33 @@ pub enum Verdict {
 pub struct Uncertainty {
     /// Requested target: relative L2 of the forces and of the driver's torque.
     pub target: f64,
-    /// Estimated bounds of the error; `None` where only one run finished.
+    /// Estimated bounds of the error; `None` if only one run finished.
     pub error: Option<Distance>,
     /// Outcome of the comparison with the target.
     pub verdict: Verdict,
-    /// Index of the run whose time series are given.
+    /// Index of the run whose time series are returned.
     pub chosen: usize,
     /// All runs, in order.
     pub levels: Vec<Level>,
-    /// Coarser runs by the method of the chosen one, with their time series; `None` where they are no evidence of its error.
+    /// Coarser runs by the method of the chosen one, with their time series; `None` if they are no evidence of its error.
     #[serde(skip)]
     pub ladder: Option<Ladder>,
 }
 
 impl Uncertainty {
-    /// Returns true if the target was reached.
+    /// True if the target was reached.
     #[must_use]
     pub fn is_resolved(&self) -> bool {
         self.verdict == Verdict::Resolved
     }
 
-    /// Returns the run whose time series are given.
+    /// Returns the run whose time series are returned.
     #[must_use]
     pub fn chosen(&self) -> Option<&Level> {
         self.levels.get(self.chosen)
     }
 
-    /// Returns the evaluations of all runs as a multiple of those of the chosen one, the cost of the verification.
+    /// Returns the cost of the verification: evaluations of all runs over those of the chosen one.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let all: u64 = self.levels.iter().map(|level| level.evaluations).sum();

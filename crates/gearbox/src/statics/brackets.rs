@@ -92,7 +92,7 @@ impl Statics<'_> {
     /// method.
     ///
     /// # Errors
-    /// As [`Statics::solve`].
+    /// Errors of [`Statics::solve`].
     pub fn solve_by_brackets(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let problem = self.problem(phi, load, &self.rigid);
         let ideal = self.ideal(problem.free, phi);

@@ -25,7 +25,7 @@ const LEAST_GROWTH: f64 = 1.001;
 /// Ratio of successive loads on the way to a light one, replaced by its square root where a step fails. A load above this share
 /// of the largest is not light.
 const LIGHTER: f64 = 0.25;
-/// Number of balances kept as starting points.
+/// Number of stored balances for starts.
 const REMEMBERED: usize = 8;
 /// Least step of the clearance, relative to the full clearance.
 const LEAST_LOOSER: f64 = 1e-4;

@@ -11,12 +11,13 @@ use super::problem::{Balanced, Free, LEFT, Problem, TRACKED};
 /// Largest numbers of Newton steps and of halvings of one step.
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
-/// Steps to the goal, at the rate of the last one, up to which the inverse is kept: new derivatives cost as many, of places and
-/// of angles.
+/// Expected number of further steps, at the rate of the last one, up to which the inverse is reused, for places and for
+/// angles. New derivatives cost as much.
 const SERVES: f64 = 8.0;
 const SERVES_ANGLES: f64 = 5.0;
-/// Largest ratio of residuals after and before a step at which a tracked balance takes the next one unseen, if it would reach
-/// the goal at this rate, and the largest length of that step, relative to the contacts' depths and twists.
+/// Largest ratio of residuals after and before a step at which a tracked balance takes the next one without evaluating its
+/// residual, if it would reach the goal at this rate, and the largest length of that step, relative to the contacts' depths
+/// and twists.
 const SURE: f64 = 0.1;
 const UNSEEN: f64 = 1e-5;
 /// Length of steps of discs on eccentrics and output, relative to the twists of contacts, at which no contact restores them:
@@ -41,8 +42,8 @@ const WEAK: f64 = 1e-9;
 /// Springs to the last iterate where a gear snaps through, relative to a contact's stiffness. The weakest that succeeds is
 /// taken.
 const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
-/// Range of the ratio of successive steps by which a disc on its eccentric is taken as idle, one that will carry nothing. Under
-/// a force like delta^n, steps shrink by the ratio 1 - 1/n without end. Exponents n of the laws are 10/9 to 5/2.
+/// Ratios of successive steps of a disc on its eccentric that is idle: it will carry nothing. Under a force like delta^n,
+/// steps shrink by the ratio 1 - 1/n without end. Exponents n of the laws are 10/9 to 5/2.
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
 /// Largest step of the output, relative to the disc's, at which a disc may be idle.
 const ALONE: f64 = 1e-3;
@@ -128,7 +129,7 @@ impl Statics<'_> {
             let rate = most / before;
             if problem.goal >= TRACKED && rate < SURE && rate * most < problem.goal {
                 let step = -(inverse.as_ref()? * &here);
-                // A disc in its clearance moves far under next to no force, and may touch there.
+                // A disc in its clearance moves far under nearly no force, and may touch there.
                 if problem.moved(step.iter().copied()) < UNSEEN {
                     *u = beyond(u, 1.0, &step);
                     most *= rate;

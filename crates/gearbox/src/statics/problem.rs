@@ -28,7 +28,7 @@ pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
 pub(super) enum Free {
     /// None: rigid cranks turn the discs with the output.
     Output,
-    /// The angle of every disc: eccentrics hold it.
+    /// Angle of every disc, on rigid eccentrics.
     Angles,
     /// Place and angle of every disc.
     Places,
@@ -43,10 +43,10 @@ pub(super) struct Size {
     pub(super) moment: f64,
 }
 
-/// One balance to be solved.
+/// Balance to be solved.
 #[derive(Debug, Clone)]
 pub(super) struct Problem {
-    /// The input's angle, rad.
+    /// Input angle, rad.
     pub(super) phi: f64,
     /// Moment on the output, N m.
     pub(super) load: f64,

@@ -4,7 +4,7 @@ use pinwheel_gearbox::auto::{AUTO, Plan, TARGET, chain, integrator, plan};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{Detection, Formulation, FrictionLaw, Scene};
 
-/// The method for gears without friction.
+/// Name of the method for gears without friction.
 const EXPONENTIAL: &str = "etd-adams";
 
 #[test]
@@ -27,13 +27,13 @@ fn auto_follows_what_the_scene_holds() {
     assert_eq!(integrator(&scene).0, "imex2", "points");
     scene.contact.detection = Detection::Exact;
     assert_eq!(integrator(&scene).0, "rodas5p");
-    // Without a Jacobian in closed form a Rosenbrock step is dear.
+    // Without a Jacobian in closed form a Rosenbrock step is expensive.
     scene.solver.formulation = Formulation::Lagrange;
     assert_eq!(integrator(&scene).0, "imex2-adaptive");
     scene.solver.formulation = Formulation::Reduced;
     scene.contact.law = "paper-conservative".to_owned();
     assert_eq!(integrator(&scene).0, "rodas5p");
-    // Slow friction, and digits that an implicit method of order two would pay for.
+    // Slow friction, and an accuracy that is expensive for an implicit method of order two.
     assert_eq!(plan(&scene, 1e-7).integrator, "dopri5");
     scene.contact.friction_ramp_m_s = 1e-3;
     assert_eq!(integrator(&scene).0, "dopri5");
@@ -48,15 +48,15 @@ fn auto_follows_what_the_scene_holds() {
     );
 }
 
-/// The paper's own step, from its frequencies alone; ten times the stiffness shortens the step by its
-/// cube root, and the scene's own step is not asked.
+/// The paper's step follows from its frequencies alone; ten times the stiffness shortens the step by the cube root of ten, and
+/// the scene's own step is not used.
 #[test]
 fn steps_come_from_the_scenes_frequencies() {
     let mut scene = Scene::paper();
     let paper = plan(&scene, TARGET);
     assert!((paper.step_s / 1e-5 - 1.0).abs() < 0.3, "{}", paper.step_s);
     let found = Frequencies::of(&scene);
-    // Two runs of it must not take the same steps, which end at samples and at entries of the account.
+    // Two runs by it must not take equal steps, which end at samples and at entries of the account.
     let seen = (scene.solver.sample_s / (10.0 * paper.step_s)).ceil();
     let longest = (1.25 * found.longest_step_s()).min(scene.solver.sample_s / seen);
     assert!((paper.longest_step_s / longest - 1.0).abs() < 1e-12);
@@ -73,7 +73,7 @@ fn steps_come_from_the_scenes_frequencies() {
         );
     }
     assert!((paper.tolerance / 5e-7 - 1.0).abs() < 1e-12);
-    // Nine entries of the account from sample to sample, at which steps end too.
+    // Nine entries of the account between samples, at which steps end, too.
     let mut sparse = scene.clone();
     sparse.solver.sample_s = 1e-3;
     let longest = plan(&sparse, TARGET).longest_step_s;
@@ -82,7 +82,7 @@ fn steps_come_from_the_scenes_frequencies() {
     scene.solver.step_s = 1e-3;
     let stiff = plan(&scene, TARGET);
     assert!((paper.step_s / stiff.step_s / 10.0_f64.cbrt() - 1.0).abs() < 1e-9);
-    // Where pins pass faster than contacts swing, they bound the steps.
+    // Pins that pass faster than contacts oscillate limit the steps.
     scene.drive.input_speed_rad_s = 1e4;
     let fast = plan(&scene, TARGET);
     assert_eq!(
@@ -91,7 +91,7 @@ fn steps_come_from_the_scenes_frequencies() {
     );
 }
 
-/// The methods that are tried, the best first: without those that the forces rule out.
+/// Methods to try, the best first, without those that the forces exclude.
 #[test]
 fn chains_leave_out_what_cannot_work() {
     let names = |detection, law| -> Vec<&'static str> {
@@ -110,7 +110,7 @@ fn chains_leave_out_what_cannot_work() {
     assert_eq!(names(points, FrictionLaw::Regularised), ["imex2", "rk4"]);
 }
 
-/// A target gives each method its settings: tolerances in proportion, fixed steps by its root.
+/// A target determines the settings of each method: tolerances in proportion, fixed steps by its root.
 #[test]
 fn settings_follow_the_promise() {
     let mut scene = Scene::paper();
@@ -123,7 +123,7 @@ fn settings_follow_the_promise() {
     assert!(near(of(&scene, 1e-3)("rk4").step_s, 0.1 / contact));
     assert!(near(of(&scene, 1e-5)("rk4").step_s, 0.01 / contact));
     assert!(near(of(&scene, 1e-5)("dopri5").tolerance, 5e-9));
-    // A law ten times stiffer than Hertz' twists less, so that errors weigh more.
+    // A law ten times stiffer than Hertz' twists less, so the scale of errors is smaller.
     scene.contact.law = "constant".to_owned();
     scene.contact.constant_stiffness_n_m15 = 1e12;
     let share = Frequencies::depth_share(&scene);
@@ -139,12 +139,12 @@ fn settings_follow_the_promise() {
     assert!(near(of(&scene, 1e-3)("imex2-adaptive").tolerance, 5e-5));
     let mut scene = Scene::paper();
     scene.contact.friction_coefficient = 0.1;
-    // Looser, it jumps over the friction's ramp.
+    // With a looser tolerance it jumps over the friction's ramp.
     assert!(near(of(&scene, 1e-3)("rodas5p").tolerance, 2.5e-6));
     assert!(near(of(&scene, 1e-5)("rodas5p").tolerance, 2e-7));
 }
 
-/// Twice as fine is so in what sets the steps, and in the longest of them by the method's order.
+/// A plan twice as fine has half the setting, and a longest step reduced by the method's order.
 #[test]
 fn finer_plans_take_shorter_steps() {
     let plan = |integrator| Plan {
@@ -160,7 +160,7 @@ fn finer_plans_take_shorter_steps() {
         ("imex2-adaptive", 4.0, 0.5),
         (EXPONENTIAL, 10.0, 0.5),
         ("dopri5", 1.0 / 32.0, 2.0),
-        // Bounds of tolerances bound the steps too.
+        // The range of tolerances limits the steps, too.
         ("imex2-adaptive", 1e20, 1e-3_f64.sqrt() * 1e-2),
         ("imex2-adaptive", 1e-20, 100.0),
     ] {
@@ -176,7 +176,7 @@ fn finer_plans_take_shorter_steps() {
     assert_eq!(finer.setting(), "a step of 2.50e-1 s");
 }
 
-/// A method whose steps end at samples gets half as many samples in the coarser run, so that the two take different steps.
+/// A method whose steps end at samples gets half as many samples in the coarser run, so that the runs take different steps.
 #[test]
 fn the_coarser_run_sees_half_as_much() {
     let mut scene = Scene::paper();
@@ -195,7 +195,7 @@ fn the_coarser_run_sees_half_as_much() {
         (seen.scene.solver.step_s, seen.scene.solver.sample_s)
     };
     assert_eq!(sparse(&plan, 4e-3), (2e-5, 2e-3));
-    // Of less than four samples half would be too few.
+    // Half of less than four samples would be too few.
     assert_eq!(sparse(&plan, 3.9e-3), (2e-5, 1e-3));
     let explicit = Plan {
         integrator: "dopri5",

@@ -1,4 +1,4 @@
-//! The energy that a run may gain or lose.
+//! Energy that a run may gain or lose.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::energy::EnergyAudit;
@@ -17,8 +17,8 @@ fn audit(driver_j: f64, remainder_j: f64) -> EnergyAudit {
     }
 }
 
-/// The elastic energy of a gear counts before it turns anything over: by hand for the paper's, whose load twists
-/// it, and for one without load, with the least force in its place.
+/// The initial turnover is the elastic energy: by hand for the paper's gear, whose load twists it, and for a gear without load,
+/// with the least force instead.
 #[test]
 fn what_is_held_counts_as_turned_over() {
     let held = |load: f64| {

@@ -1,4 +1,4 @@
-//! Balances: how they are found, starts in equilibrium, and what slow runs have to do with them.
+//! Equilibria: solvers, starts in equilibrium, and the relation to slow runs.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ fn too_much_load_is_refused() {
     let mut statics = Statics::new(&gearbox).unwrap();
     let error = statics.solve(0.0, 1e6).unwrap_err().to_string();
     assert!(error.contains("less load"), "{error}");
-    // The other way round the gear carries the same.
+    // In the opposite direction the gear carries an equal load.
     let (there, back) = (
         statics.solve(0.0, 22.0).unwrap(),
         statics.solve(0.0, -22.0).unwrap(),
@@ -27,8 +27,8 @@ fn too_much_load_is_refused() {
     );
 }
 
-/// Started in equilibrium, the torques stay within 1 % of the mean of where they stay for good; the
-/// kinematic start overshoots by far more.
+/// After a start in equilibrium the torques stay within 1 % of the mean of their final range; the kinematic start overshoots by
+/// far more.
 #[test]
 fn equilibrium_start_has_no_transient() {
     for backlash in [0.0, 6e-4] {
@@ -62,8 +62,8 @@ fn equilibrium_start_has_no_transient() {
     }
 }
 
-/// Newton's law at the start in motion, with parts so heavy that their slow accelerations count: moments of the contacts are
-/// moments of inertia times the second derivatives along the balances; and every part moves with its carrier. Without damping,
+/// Newton's law for a start in motion, with parts so heavy that their slow accelerations count: moments of the contacts equal
+/// moments of inertia times second derivatives along the equilibria, and every part moves with its carrier. Without damping,
 /// which changes these derivatives.
 #[test]
 fn equilibrium_start_obeys_newton() {
@@ -78,7 +78,7 @@ fn equilibrium_start_obeys_newton() {
     let (scene, layout) = (&gearbox.scene, gearbox.layout);
     let (speed, load) = (20.0, scene.drive.output_torque_n_m);
     let mut statics = Statics::new(&gearbox).unwrap();
-    // A hundredth of the mesh: contacts pass through their ramps within a few of these.
+    // A hundredth of the mesh period: contacts pass through their ramps within a few of these.
     let h = 0.01 * TAU / 16.0;
     let [before, here, after] = [-h, 0.0, h].map(|phi| statics.solve(phi, load).unwrap());
     let bodies = statics.moving().unwrap();
@@ -126,7 +126,7 @@ fn equilibrium_start_obeys_newton() {
     }
 }
 
-/// The slower the input, the closer the run to the statics; without damping, which statics does not know.
+/// Slower runs are closer to the statics; without damping, which statics omits.
 #[test]
 fn slow_runs_tend_to_the_statics() {
     let worst = |speed: f64| {
@@ -152,7 +152,7 @@ fn slow_runs_tend_to_the_statics() {
             .map(off)
             .fold(0.0, f64::max)
     };
-    // Measured 4.0e-5, 4.8e-7 rad: the elastic twist itself is 9e-4 rad.
+    // Measured 4.0e-5, 4.8e-7 rad; the elastic twist is 9e-4 rad.
     let (fast, slow) = (worst(52.34), worst(5.234));
     assert!(
         fast < 8e-5 && slow < 1e-6 && slow < 0.05 * fast,
@@ -160,8 +160,8 @@ fn slow_runs_tend_to_the_statics() {
     );
 }
 
-/// Newton's method against nested brackets: the same angles to rounding, in a hundredth of the evaluations, in lanes and in the
-/// loop that handles one pair after the other.
+/// Newton's method against nested brackets: equal angles to rounding in a hundredth of the evaluations, in lanes and in the
+/// scalar loop.
 #[test]
 fn newton_finds_what_brackets_find() {
     for (preset, sets, kernel) in [
@@ -206,14 +206,14 @@ fn newton_finds_what_brackets_find() {
         let mut worst: f64 = 0.0;
         for (a, b) in fast.iter().zip(&slow) {
             worst = worst.max((a.output - b.output).abs());
-            // Under next to no load one disc may be anywhere in its play.
+            // Under almost no load one disc may be anywhere in its play.
             for (a, b) in a.wheels.iter().zip(&b.wheels).filter(|_| !light) {
                 worst = worst.max((a - b).abs());
             }
         }
         println!("{preset} under {load} N m: {worst:.1e} rad, {few} evaluations after {many}");
-        // Measured: 2e-15 rad; 3e-13 where the forces of a load that light are next to nothing. 19 to 69 times fewer evaluations:
-        // counts change with the rounding of a machine.
+        // Measured: 2e-15 rad, and 3e-13 under the negligible forces of a very light load. 19 to 69 times fewer evaluations;
+        // counts vary with the rounding of a machine.
         let (limit, most) = if light { (1e-12, 40) } else { (1e-13, 20) };
         assert!(worst < limit, "{preset}: {worst:e} rad");
         assert!(
@@ -223,7 +223,8 @@ fn newton_finds_what_brackets_find() {
     }
 }
 
-/// From the balance of the pose before: the same angles to rounding, in fewer evaluations, with play, errors and hardly a load.
+/// Started from the equilibrium of the previous pose: equal angles to rounding in fewer evaluations, with play, errors and
+/// almost no load.
 #[test]
 fn the_next_pose_is_found_from_the_last() {
     for (preset, share) in [
@@ -263,7 +264,8 @@ fn the_next_pose_is_found_from_the_last() {
     }
 }
 
-/// Stiffness about a balance against differences of balances. Measured: 1.6e-7 off, which is the law's bend over 0.1 % of the load.
+/// Stiffness at an equilibrium against differences of equilibria. Measured: an error of 1.6e-7, the law's curvature over 0.1 %
+/// of the load.
 #[test]
 fn compliance_is_the_slope_of_balances() {
     for preset in ["paper", "steel", "toleranced"] {
@@ -289,7 +291,7 @@ fn paper(sets: &[(&str, &str)]) -> Gearbox {
     Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
 }
 
-/// Discrete points have no derivatives: brackets find their balance, which is nearly that of the exact profile.
+/// Discrete points have no derivatives: brackets solve their equilibrium, which is close to that of the exact profile.
 #[test]
 fn points_are_balanced_by_brackets() {
     let twist = |detection: &str| {
@@ -306,7 +308,7 @@ fn points_are_balanced_by_brackets() {
     assert!((points / exact - 1.0).abs() < 1e-2, "{points} {exact}");
 }
 
-/// One pin that is too large presses a gear without load off its ideal mesh; a gear as drawn rests there.
+/// One oversized pin presses an unloaded gear off its ideal mesh; a gear without errors rests there.
 #[test]
 fn errors_press_without_a_load() {
     let drawn = paper(&[]);
@@ -323,8 +325,8 @@ fn errors_press_without_a_load() {
     assert!((at.output - by_brackets.output).abs() < 1e-12);
 }
 
-/// Balances that begin where the path of the last ones leads are those from scratch, within the rounding that figures are given,
-/// on every carrier; so few evaluations only if the inverse turns with the eccentric.
+/// Equilibria extrapolated from the previous ones equal those computed from scratch, within the rounding of the figures, on
+/// every carrier. So few evaluations require an inverse that rotates with the eccentric.
 #[test]
 fn a_path_leads_to_the_balances_from_scratch() {
     for (preset, most) in [
@@ -338,7 +340,7 @@ fn a_path_leads_to_the_balances_from_scratch() {
         let load = gearbox.scene.drive.output_torque_n_m;
         let [mut path, mut afresh] = [0; 2].map(|_| Statics::new(&gearbox).unwrap());
         let (mut last, mut worst) = (None, 0.0_f64);
-        // An input angle by which pins stand nearly as before, at another place of the eccentric.
+        // An input angle with pins nearly as before, at another position of the eccentric.
         let meshed =
             TAU / gearbox.scene.gear.external_sleeves as f64 / gearbox.scene.eccentric_per_input();
         for k in 0..40 {

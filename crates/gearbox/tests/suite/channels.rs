@@ -1,4 +1,4 @@
-//! Channels beyond the contract's columns: what they say, that both formulations agree, what they cost.
+//! Channels beyond the contract's columns: values, agreement of both formulations, cost.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
@@ -6,7 +6,7 @@ use pinwheel_scene::Layout;
 use pinwheel_scene::{Override, Scales, Scene};
 use pinwheel_timeseries::TimeSeries;
 
-/// A run of a preset with channels; the last keys are overrides.
+/// Runs a preset with channels; the last keys are overrides.
 fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) -> NativeRun {
     let mut overrides: Vec<Override> = sets
         .iter()
@@ -30,12 +30,12 @@ fn column<'a>(time_series: &'a TimeSeries, name: &str) -> &'a [f64] {
         .unwrap_or_else(|| panic!("no column {name}"))
 }
 
-/// RMS of the difference over the larger RMS.
+/// Returns the RMS of the difference over the larger RMS.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
     let difference = square(&mut a.iter().zip(b).map(|(a, b)| a - b));
     let larger = square(&mut a.iter().copied()).max(square(&mut b.iter().copied()));
-    // Two discs in phase leave nothing but rounding on the shafts' bearings.
+    // Two discs in phase leave only rounding on the shafts' bearings.
     if larger < 1e-18 * a.len() as f64 {
         return 0.0;
     }
@@ -46,8 +46,8 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-/// Reactions from multipliers (28 bodies) and by Newton's law (reduced), and everything else, agree:
-/// three discs of another gear and friction included.
+/// Reactions from multipliers (28 bodies) and by Newton's law (reduced), and all other channels, agree, including three discs
+/// of another gear and friction.
 #[test]
 fn both_formulations_give_the_same_channels() {
     for (preset, sets) in [
@@ -85,15 +85,15 @@ fn both_formulations_give_the_same_channels() {
             }
         }
         println!("{preset}: {worst:?}");
-        // Rounding alone parts them: measured 2e-13 to 7e-11 (an efficiency beside a zero of the driver torque).
+        // Differences are rounding: measured 2e-13 to 7e-11 (an efficiency near a zero of the driver torque).
         assert!(worst.0 < 1e-9, "{preset}: {worst:?}");
     }
 }
 
-/// Tolerance of pressures that follow from K and the force, relative.
+/// Relative tolerance of pressures that follow from K and the force.
 const HERTZ: f64 = 1e-9;
 
-/// The channels agree with each other and with the contract's columns, at every sample.
+/// Channels are consistent with each other and with the contract's columns at every sample.
 #[test]
 fn channels_fit_together() {
     let run = run(
@@ -105,7 +105,7 @@ fn channels_fit_together() {
     let scene = Scene::load("eleven-pins", &[]).unwrap();
     let gearbox = Gearbox::new(&scene).unwrap();
     let pressing_n = Scales::of(&scene).pressing_n();
-    // p0 K/sqrt(F) = k sqrt(E*/(pi L)), with k from a hole's K and p0's formula written out.
+    // p0 K/sqrt(F) = k sqrt(E*/(pi L)), with k from a hole's K, and p0's formula written out.
     let (gear, contact) = (&scene.gear, &scene.contact);
     let modulus = contact.young_pa / (2.0 * (1.0 - contact.poisson.powi(2)));
     let (hole, pin) = (gear.hole_radius_m, gear.internal_sleeve_radius_m);
@@ -124,7 +124,7 @@ fn channels_fit_together() {
     let (mut twist, mut of_wheels) = (0.0, vec![0.0; wheels]);
     for k in 0..c.len() {
         let at = |name: &str| column(c, name)[k];
-        // The driver turns the input against the eccentrics' reactions.
+        // The driver's torque balances the eccentrics' reactions.
         let torque: f64 = (0..wheels)
             .map(|w| at(&format!("eccentric_bearing_tangential_force_n_{w}")))
             .sum();
@@ -146,7 +146,7 @@ fn channels_fit_together() {
             let radial = cos * of("force_x_n") + sin * of("force_y_n");
             near(of("radial_force_n"), radial, 1e3, "radial");
         }
-        // A ring pin's pin holds it against its contacts.
+        // The reaction of a ring pin balances its contacts.
         for j in 0..external_sleeves {
             let pin = at(&format!("external_pin_force_n_{j}"));
             near(pin, at(&format!("external_sleeve_force_n_{j}")), 1e3, "pin");
@@ -168,7 +168,8 @@ fn channels_fit_together() {
                     let (pressure, sliding) = (of("pressure_pa"), of("tangential_velocity_m_s"));
                     let product = of("pressure_sliding_w_m2");
                     near(product, pressure * sliding.abs(), 1e9, "p v");
-                    // After Hertz K grows with the root of the radius that the pressure falls with; that of holes is known.
+                    // By Hertz' law K grows with the root of the radius and the pressure falls with it; the radius of holes is
+                    // known.
                     if kind == "external" && force > 1.0 {
                         let found = pressure * of("stiffness_n_m15") / force.sqrt();
                         assert!((found / hertz - 1.0).abs() < HERTZ, "{found} {hertz}");
@@ -221,15 +222,15 @@ fn channels_fit_together() {
             }
         }
     }
-    // The load turns the discs in their mesh, and the output as much again in the holes.
+    // The load rotates the discs in their mesh, and the output by as much again in the holes.
     for own in of_wheels {
         let share = own / twist;
         assert!((0.3..0.6).contains(&share), "{share}");
     }
 }
 
-/// The normal velocity is the rate of the penetration, in contact and out of it, and single contacts
-/// follow the contact law of the scene (Eq. 20).
+/// The normal velocity is the rate of the penetration, in contact and without, and single contacts follow the scene's contact
+/// law (Eq. 20).
 #[test]
 fn velocity_is_the_rate_of_the_penetration() {
     for detection in ["exact", "points"] {
@@ -252,7 +253,7 @@ fn velocity_is_the_rate_of_the_penetration() {
                 assert!((force[k] - law.max(0.0)).abs() <= 1e-9 * law.abs().max(1.0));
                 if detection == "exact" {
                     let slope = (depth[k + 1] - depth[k - 1]) / 2e-6;
-                    // Accelerations of some 100 m/s^2 at 1.2 kHz leave 1e-7 m/s of a central difference.
+                    // Accelerations of some 100 m/s^2 at 1.2 kHz leave an error of 1e-7 m/s in a central difference.
                     assert!(
                         (slope - rate[k]).abs() < 1e-5 * (1.0 + rate[k].abs()),
                         "{kind} {k}: {slope} {}",
@@ -275,7 +276,7 @@ fn published_bearing_force_and_contact_ratio() {
     ];
     let run = run("paper", 0.24, &channels, &sets);
     let mean = |name: &str| {
-        // Whole cycles of the external mesh, order 16 of the input's 8.33 Hz.
+        // Complete cycles of the external mesh, order 16 of the input's 8.33 Hz.
         let values = &column(&run.time_series, name)[1200..];
         values.iter().sum::<f64>() / values.len() as f64
     };
@@ -291,8 +292,7 @@ fn published_bearing_force_and_contact_ratio() {
     }
 }
 
-/// A channel that is not requested costs nothing, and one that is changes no step: the time series are equal bit for
-/// bit, from the same right-hand sides.
+/// A channel that is not requested costs nothing, and a requested one changes no step: the time series are equal bit for bit.
 #[test]
 fn asking_changes_no_step() {
     for sets in [

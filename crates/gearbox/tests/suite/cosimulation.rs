@@ -1,4 +1,4 @@
-//! Gears whose shafts an importer drives.
+//! Gears driven by an importer.
 
 use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup, start};
 use pinwheel_gearbox::internals::GearForces;
@@ -16,7 +16,7 @@ fn gearbox(sets: &[&str], channels: &[&str]) -> Gearbox {
     Gearbox::new(&scene.check().unwrap()).unwrap()
 }
 
-/// The columns of a run's last sample.
+/// Returns the columns of a run's last sample.
 fn last(gearbox: &Gearbox) -> Vec<f64> {
     let run = native::run(gearbox, &mut |_| false)
         .unwrap()
@@ -30,11 +30,11 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let largest = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let off = a.iter().zip(b).map(|(a, b)| (a - b).abs() / largest);
-    // A NaN is no small distance.
+    // A NaN does not count as small.
     off.fold(0.0, |most: f64, off| if off <= most { most } else { off })
 }
 
-/// A torque that is held from 10 ms on does what a change of the scene's load does, and is told with it.
+/// A constant torque from 10 ms on acts like a change of the scene's load, and is reported with it.
 #[test]
 fn a_held_torque_is_a_change_of_the_load() {
     for method in ["dopri5", "etd-adams"] {
@@ -66,7 +66,7 @@ fn a_held_torque_is_a_change_of_the_load() {
     }
 }
 
-/// A ramp of the prescribed speed is a change of the scene's speed. The unit takes differences for its derivatives too.
+/// A ramp of the prescribed speed acts like a change of the scene's speed. The unit uses differences for its derivatives.
 #[test]
 fn a_ramp_of_the_speed_is_a_change_of_the_scenes() {
     let own = [
@@ -87,14 +87,14 @@ fn a_ramp_of_the_speed_is_a_change_of_the_scenes() {
     let mut row = Vec::new();
     unit.observe(&mut row);
     let expected = last(&changed);
-    // At the end of the ramp the run's driver no longer accelerates anything.
+    // At the end of the ramp the run's driver accelerates nothing.
     row[0] -= changed.accelerating_torque_n_m(0.015);
     let off = apart(&row, &expected);
     eprintln!("{off:e}");
     assert!(off < 1e-6, "{off:e}");
 }
 
-/// A unit starts with the load and the speed that it is given, as a gear does that has them.
+/// A unit starts with the prescribed load and speed, like a gear with these values.
 #[test]
 fn starts_are_those_of_the_load_and_the_speed() {
     let gear = gearbox(&["drive.start=equilibrium"], &[]);
@@ -115,7 +115,7 @@ fn starts_are_those_of_the_load_and_the_speed() {
     }
 }
 
-/// Channels of a unit are those of a run, forces of joints among them; and rows without channels are the contract's alone.
+/// Channels of a unit equal those of a run, including forces of joints; rows without channels are the contract's only.
 #[test]
 fn channels_are_those_of_a_run() {
     let sets = ["solver.duration_s=0.002", "solver.tolerance=1e-8"];
@@ -133,7 +133,7 @@ fn channels_are_those_of_a_run() {
     }
 }
 
-/// Derivatives of a torque that is held and rises, beside those of the gear.
+/// Derivatives of constant and rising torques, beside those of the gear.
 #[test]
 fn held_torques_have_slopes() {
     let gear = gearbox(&[], &[]);
@@ -158,7 +158,7 @@ fn held_torques_have_slopes() {
     assert_eq!(by_time(500.0, false), None);
 }
 
-/// An importer's tolerance is the method's.
+/// An importer's tolerance is used by the method.
 #[test]
 fn tolerances_are_those_asked_for() {
     let gear = gearbox(&["solver.integrator=auto"], &[]);
@@ -171,7 +171,7 @@ fn tolerances_are_those_asked_for() {
     assert!((found / 1e-7 - 1.0).abs() < 1e-9, "{found:e}");
 }
 
-/// States of as many numbers but of other shafts are refused, and nothing has changed.
+/// States of equal length for other shafts are refused without a change.
 #[test]
 fn bad_input_states_of_other_shafts_are_refused() {
     let two = gearbox(&[], &[]);
@@ -184,7 +184,7 @@ fn bad_input_states_of_other_shafts_are_refused() {
     };
     let mut prescribed = CoSimulation::new(&three, both).unwrap();
     let (of_usual, of_held) = (usual.save(), prescribed.save());
-    // After the time comes the number of states.
+    // The number of states follows the time.
     assert_eq!(of_usual[..9], of_held[..9]);
     assert!(!usual.restore(&of_held) && !prescribed.restore(&of_usual));
     assert_eq!((usual.save(), prescribed.save()), (of_usual, of_held));

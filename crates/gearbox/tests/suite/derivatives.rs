@@ -10,7 +10,7 @@ use pinwheel_mbs::{
 use pinwheel_scene::{Scene, Sleeve};
 use proptest::prelude::*;
 
-/// The contacts alone.
+/// Contacts as the only forces.
 struct Contacts(ContactField);
 
 impl Forces for Contacts {
@@ -38,14 +38,14 @@ fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
     system.with_leaves(&sleeves)
 }
 
-/// The reduced system whose contacts are evaluated pair by pair.
+/// Returns the reduced system with contacts evaluated pair by pair.
 fn one_by_one(gearbox: &Gearbox) -> Reduced<Contacts> {
     let mut gearbox = gearbox.clone();
     gearbox.kernel = Kernel::Scalar;
     reduced(&gearbox)
 }
 
-/// Angles at the ideal mesh of time `t` with a twist, and rates near it; discs that float near their eccentrics.
+/// Returns angles near the ideal mesh at time `t` with a twist, and rates near it; floating discs are near their eccentrics.
 fn state(gearbox: &Gearbox, t: f64, twist: f64, noise: &[f64], free: &[usize]) -> Vec<f64> {
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
     let omega = gearbox.input_motion().rate;
@@ -81,7 +81,7 @@ fn state(gearbox: &Gearbox, t: f64, twist: f64, noise: &[f64], free: &[usize]) -
     y
 }
 
-/// A state moved along component `k`, or the time beyond the last.
+/// Returns a state moved along component `k`, or along time beyond the last.
 fn moved(y: &[f64], t: f64, k: usize, by: f64) -> (Vec<f64>, f64) {
     let (mut moved, mut time) = (y.to_vec(), t);
     match moved.get_mut(k) {
@@ -91,8 +91,8 @@ fn moved(y: &[f64], t: f64, k: usize, by: f64) -> (Vec<f64>, f64) {
     (moved, time)
 }
 
-/// Difference quotient of f along component `k` (or the time, beyond the last), of order 4, and how much steeper f is
-/// ahead than behind.
+/// Returns the difference quotient of f along component `k` (or time, beyond the last), of order 4, and the excess of the
+/// forward slope over the backward one.
 fn quotient(
     system: &mut Reduced<Contacts>,
     t: f64,
@@ -119,7 +119,7 @@ fn quotient(
     (slope, bend)
 }
 
-/// A gear of so many ring pins, this shortening, so many output pins and discs.
+/// Returns a gear with these numbers of ring pins, output pins and discs, and this shortening.
 fn gear((zk, m, zi, wheels): (usize, f64, usize, usize), backlash: f64) -> Scene {
     let mut scene = Scene::paper();
     scene.gear.external_sleeves = zk;
@@ -132,7 +132,7 @@ fn gear((zk, m, zi, wheels): (usize, f64, usize, usize), backlash: f64) -> Scene
     scene
 }
 
-/// Some tens of micrometres of every modification and error.
+/// Adds some tens of micrometres of every modification and error.
 fn deviate(scene: &mut Scene, noise: &[f64]) {
     let gear = &mut scene.gear;
     let size = |k: usize| 2e-5 * noise[k % noise.len()];
@@ -151,7 +151,7 @@ fn deviate(scene: &mut Scene, noise: &[f64]) {
     gear.errors.phase_rad = list(wheels, 10);
 }
 
-/// Rigid; linear; rollers; clearance and friction.
+/// Rigid; linear; rollers; with clearance and friction.
 const BEARINGS: [Option<&str>; 4] = [
     None,
     Some("stiffness_n_m = 3e8"),
@@ -174,7 +174,7 @@ const LAWS: [&str; 10] = [
     "flores",
 ];
 
-/// The touching pairs in a state.
+/// Returns the touching pairs in a state.
 fn touching(
     gearbox: &Gearbox,
     system: &mut Reduced<Contacts>,
@@ -193,10 +193,10 @@ fn touching(
     pairs
 }
 
-/// Holds all entries of the Jacobian against differences; how many there were, and how many a kink lies in.
+/// Compares all entries of the Jacobian with differences; returns the number of entries, and of entries at a kink.
 ///
-/// A kink (a contact begins, slides or parts) is told by two steps, or both sides, that disagree. Steps agree by accident where it
-/// lies so close that both see half of it; then the contacts on both sides are others.
+/// A kink (a contact begins, slides or parts) is detected by disagreement of two steps, or of both sides. Steps agree by
+/// accident if both include half of a near kink; the contacts on both sides then differ.
 fn compare(
     gearbox: &Gearbox,
     system: &mut Reduced<Contacts>,
@@ -205,7 +205,7 @@ fn compare(
     angles: usize,
 ) -> Result<(usize, usize), String> {
     let n = y.len() / 2;
-    // Places count as the angles that move the rim as far.
+    // Positions have the scale of angles that move the rim as far.
     let size = |k: usize| match k % n < angles {
         true => 1.0,
         false => 1.0 / gearbox.scene.gear.pitch_radius_m(),
@@ -214,7 +214,7 @@ fn compare(
     let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
     assert!(system.jacobian(t, y, &mut jacobian));
     let (mut seen, mut kinks) = (0, 0);
-    // Rates bend nothing but at a kink: its two sides there may differ by as little as the bound below.
+    // The dependence on rates has kinks only, whose two sides may differ by as little as the bound below.
     for (columns, h, bent) in [
         (0..n, 2e-8, 1e-2),
         (n..2 * n, 1e-5, 2e-5),
@@ -232,7 +232,7 @@ fn compare(
         let sizes = columns.clone().zip(&quotients);
         let sizes = sizes
             .flat_map(|(k, (_, (fine, _)))| (0..n).map(move |row| fine[n + row] * weight(row, k)));
-        // Of a gear that carries anything: 1e5 and more.
+        // For a loaded gear: 1e5 and more.
         let largest = sizes.fold(1.0, |m: f64, x| m.max(x.abs()));
         for (k, ((coarse, bend), (fine, _))) in columns.zip(&quotients) {
             for row in 0..n {
@@ -290,7 +290,7 @@ proptest! {
         if deviates {
             deviate(&mut scene, &noise);
         }
-        // Wide enough for differences to see.
+        // Wide enough for differences.
         scene.contact.friction_ramp_m_s = 5e-3;
         let checked = scene.clone().check();
         prop_assume!(checked.is_ok()); // some holes have no room
@@ -299,14 +299,14 @@ proptest! {
         let free = system.free_bodies().to_vec();
         let y = state(&gearbox, t, twist, &noise, &free);
         let (lanes, scalar) = (entries(&mut system, t, &y), entries(&mut one_by_one(&gearbox), t, &y));
-        // The scalar loop takes some derivatives of the profile by differences: measured 1.3e-7.
+        // The scalar loop uses differences for some derivatives of the profile: measured 1.3e-7.
         let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
         for (a, b) in lanes.iter().zip(scalar) {
             prop_assert!((a - b).abs() < 1e-5 * most, "{} lanes {a:e} scalar {b:e} of {most:e}", LAWS[law]);
         }
         let (seen, kinks) =
             compare(&gearbox, &mut system, t, &y, free.len()).map_err(TestCaseError::fail)?;
-        // Where next to nothing touches there is nothing to see either.
+        // Poses with almost no contacts are skipped.
         prop_assume!(kinks * 4 <= seen);
     }
 }
@@ -366,8 +366,8 @@ fn cranks_have_their_slopes() {
     }
 }
 
-/// A contact that begins a twelfth of a step from the state: both steps see half of its slope, which is small so soon after its
-/// beginning, and agree. One case in some thousand of the above.
+/// A contact begins a twelfth of a step from the state: both steps include half of its slope, which is small so soon after the
+/// beginning, and agree. One case in some thousand of those above.
 #[test]
 fn a_contact_that_just_begins_is_a_kink() {
     let mut scene = gear((30, 0.6, 5, 1), 0.0);
@@ -396,7 +396,7 @@ fn a_contact_that_just_begins_is_a_kink() {
     }
 }
 
-/// The entries of a Jacobian: a column for each angle, each rate and the time.
+/// Returns the entries of a Jacobian: a column for each angle, each rate and the time.
 fn entries(system: &mut Reduced<Contacts>, t: f64, y: &[f64]) -> Vec<f64> {
     let n = y.len() / 2;
     let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
@@ -415,8 +415,7 @@ fn entries(system: &mut Reduced<Contacts>, t: f64, y: &[f64]) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The force along the profile adds its part to the derivatives of the normal forces, a hundredth of them, checked
-    /// by itself.
+    /// The force along the profile contributes a hundredth of the normal forces' derivatives, checked separately.
     #[test]
     fn the_force_along_the_profile_has_its_slopes(
         shape in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,
@@ -456,7 +455,7 @@ proptest! {
     }
 }
 
-/// Fields without derivatives say so: friction that falls with speed, points.
+/// Fields without derivatives report it: friction that falls with speed, points.
 #[test]
 fn slopes_are_only_told_where_they_are_known() {
     let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
@@ -490,7 +489,8 @@ fn slopes_are_only_told_where_they_are_known() {
     assert!(!known(&points, Kernel::Lanes));
 }
 
-/// Loads and derivatives in one pass are those of two, to the bit: in lanes and pair by pair, with play, errors and other laws.
+/// Loads and derivatives in one pass equal those of two, to the bit: in lanes and pair by pair, with play, errors and other
+/// laws.
 #[test]
 fn one_pass_gives_what_two_give() {
     for (preset, kernel) in [

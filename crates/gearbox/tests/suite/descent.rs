@@ -1,4 +1,4 @@
-//! Descent of floating discs to a balance.
+//! Descent of floating discs to an equilibrium.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,7 +8,7 @@ use pinwheel_gearbox::statics::Statics;
 use pinwheel_mbs::{BodyState, Evaluation};
 use pinwheel_scene::{Layout, Scene, Sleeve};
 
-/// The largest turn of a disc from its ideal mesh at any evaluation, rad, as bits.
+/// Largest rotation of a disc from its ideal mesh at any evaluation, rad, as bits.
 static FARTHEST_SEEN: AtomicU64 = AtomicU64::new(0);
 
 struct Watched(Box<dyn PairField>, Gearbox);
@@ -26,7 +26,7 @@ impl PairField for Watched {
         let (layout, geometry) = (self.1.layout, &self.1.geometry);
         for (i, body) in layout.wheel_bodies().enumerate() {
             let ideal = geometry.ideal_wheel_angle(i, bodies[Layout::INPUT].angle);
-            // Bits of positive numbers are in their order.
+            // Positive numbers and their bits have the same order.
             let turned = (bodies[body].angle - ideal).abs().to_bits();
             FARTHEST_SEEN.fetch_max(turned, Ordering::Relaxed);
         }
@@ -42,8 +42,8 @@ impl PairField for Watched {
     }
 }
 
-/// Newton steps within the free play are bounded under a light load. Unbounded ones crossed many teeth, where every pin is searched
-/// for along the entire profile, and balances took 25 times as long.
+/// Newton steps within the free play are bounded under a light load. Unbounded ones crossed many teeth, where every pin
+/// requires a search along the entire profile, and equilibria took 25 times as long.
 #[test]
 fn hard_steps_through_play_stay_within_a_tooth() {
     let sets = [

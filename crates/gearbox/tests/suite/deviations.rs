@@ -16,7 +16,7 @@ fn gearbox(change: impl FnOnce(&mut Scene)) -> Gearbox {
     Gearbox::new(&scene.check().unwrap()).unwrap()
 }
 
-/// All bodies at the ideal mesh of the input angle.
+/// Returns all bodies at the ideal mesh of the input angle.
 fn ideal(gearbox: &Gearbox, input: f64, twist: f64) -> Vec<BodyState> {
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
     let mut bodies = gearbox.kinematic_states();
@@ -35,7 +35,7 @@ fn ideal(gearbox: &Gearbox, input: f64, twist: f64) -> Vec<BodyState> {
     bodies
 }
 
-/// The gaps of a disc's ring pins with their angles from the eccentric, at the ideal mesh.
+/// Returns the gaps of a disc's ring pins with their angles from the eccentric, at the ideal mesh.
 fn gaps(gearbox: &Gearbox, input: f64, wheel: usize) -> Vec<(f64, f64)> {
     let bodies = ideal(gearbox, input, 0.0);
     let mut field = gearbox.contact_field().unwrap();
@@ -50,7 +50,7 @@ fn gaps(gearbox: &Gearbox, input: f64, wheel: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Each modification and combinations, in shares of a size: equidistant, radial, rotational (of a length at e zs), backlash.
+/// Modifications and combinations, in shares of a size: equidistant, radial, rotational (of a length at e zs), backlash.
 const MODIFICATIONS: [[f64; 4]; 8] = [
     [1.0, 0.0, 0.0, 0.0],
     [-1.0, 0.0, 0.0, 0.0],
@@ -72,7 +72,7 @@ fn modified(shares: [f64; 4], size_m: f64) -> Gearbox {
     })
 }
 
-/// To first order: what is left falls with the square of the size.
+/// First-order formulas: the error falls with the square of the size.
 #[test]
 fn published_initial_gaps_of_modifications() {
     for shares in MODIFICATIONS {
@@ -86,7 +86,7 @@ fn published_initial_gaps_of_modifications() {
                 }
             }
         }
-        // Curvature of the pits: 0.56 mm, so that 20 um turn the normals by a few percent there; measured 0.033.
+        // Curvature of the pits: 0.56 mm, so that 20 um rotate the normals by a few percent there; measured 0.033.
         assert!(left[0] < 0.05, "{shares:?}: {left:?}");
         assert!(
             left[1] < 0.55 * left[0] + 1e-9,
@@ -95,8 +95,8 @@ fn published_initial_gaps_of_modifications() {
     }
 }
 
-/// Initial gaps after the disc was turned until its pin with the longest lever (cos phi = m) would touch, as books on
-/// cycloidal drives print them: dr (1 - sin phi/S) - dR (1 - m cos phi - sqrt(1 - m^2) sin phi)/S.
+/// Initial gaps after rotating the disc until its pin with the longest lever (cos phi = m) would touch, in the textbook form:
+/// dr (1 - sin phi/S) - dR (1 - m cos phi - sqrt(1 - m^2) sin phi)/S.
 #[test]
 fn published_gaps_of_a_wheel_in_touch() {
     let gear = gearbox(|scene| {
@@ -118,7 +118,7 @@ fn published_gaps_of_a_wheel_in_touch() {
     }
 }
 
-/// Errors of one part move its gap by what its displacement has along the normal. The normals of the mesh pass through the
+/// An error of one part changes its gap by the normal component of its displacement. The normals of the mesh pass through the
 /// pitch point, e zk from the gear's centre towards the eccentric; those of the holes are parallel to the eccentric.
 #[test]
 fn published_gaps_of_errors() {
@@ -196,7 +196,7 @@ fn published_gaps_of_errors() {
                 "hole radius" => 1.0,
                 "pin tangential" => -inwards.dot(out.turned()),
                 "pin radius" => -1.0,
-                // The disc turns by -1/(e zs) of the way that its centre moves across, and its hole with it.
+                // The disc rotates by -1/(e zs) of its centre's displacement across, and its hole with it.
                 _ => {
                     let turned = out
                         .turned()
@@ -225,7 +225,7 @@ fn loads(gearbox: &Gearbox, bodies: &[BodyState]) -> Vec<Wrench> {
     loads
 }
 
-/// Zeros are nothing, to the bit; next to nothing changes next to nothing, in either loop.
+/// Deviations of zero change nothing, to the bit; tiny ones have a tiny effect, in either loop.
 #[test]
 fn without_deviations_all_is_as_ever() {
     let plain = gearbox(|_| {});
@@ -260,8 +260,8 @@ fn without_deviations_all_is_as_ever() {
     }
 }
 
-/// Points of the edge of a disc, from the printed equation of the profile alone, and only those that both turned discs
-/// have in common.
+/// Returns points of the edge of a disc from the printed equation of the profile, limited to those common to both rotated
+/// discs.
 fn edge(scene: &CheckedScene, count: usize) -> Vec<Complex> {
     let gear = &scene.gear;
     let (e, zk) = (gear.eccentricity_m, gear.external_sleeves as f64);
@@ -284,7 +284,7 @@ fn edge(scene: &CheckedScene, count: usize) -> Vec<Complex> {
     if turn == 0.0 {
         return points;
     }
-    // Discs are star-shaped: what two have in common reaches, in every direction, as far as the shorter of both.
+    // Discs are star-shaped: the intersection extends, in every direction, to the nearer edge.
     let reach = |angle: f64| {
         let angle = angle.rem_euclid(TAU);
         let after = points.partition_point(|p| p.arg().rem_euclid(TAU) <= angle);
@@ -333,8 +333,8 @@ proptest! {
                 let nearest = edge.iter().map(|w| (*w - offset).norm2()).fold(f64::INFINITY, f64::min).sqrt();
                 let wanted = gearbox.geometry.external_radii_m[j] - nearest;
                 let found = field.nearest(&bodies, wheel, Sleeve::External(j)).penetration_m;
-                // Points lie 1 to 5 um apart: (5 um)^2/(2 * 0.5 mm) at the sharpest.
-                // At the corners of turned flanks also half of 5 um times their slope, 0.02.
+                // Points are 1 to 5 um apart: (5 um)^2/(2 * 0.5 mm) at the sharpest place. At the corners of rotated flanks
+                // also half of 5 um times their slope, 0.02.
                 let bound = if gearbox.scene.gear.modification.rotational_rad > 0.0 { 1e-7 } else { 3e-8 };
                 prop_assert!((found - wanted).abs() < bound, "disc {wheel}, pin {j}: {found:e} {wanted:e}");
                 let touches = touching.iter().any(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
@@ -344,7 +344,7 @@ proptest! {
     }
 }
 
-/// Discrete points tend to the exact profile.
+/// Discrete points converge to the exact profile.
 #[test]
 fn crossval_points_of_a_modified_profile() {
     let change = |points: Option<usize>| {
@@ -383,8 +383,8 @@ fn crossval_points_of_a_modified_profile() {
     assert!(off[0] < 0.05 && off[2] < 0.1 * off[0], "{off:?}");
 }
 
-/// Between small torques to either side a stiff gear turns by what its modification leaves free: the least gap over lever of
-/// the pins there are, to either side, of the disc that is first.
+/// Between small torques of both signs a stiff gear rotates by the play of its modification: the least gap over lever among the
+/// pins, to either side, of the tightest disc.
 #[test]
 fn published_play_of_a_modified_gear() {
     for shares in [

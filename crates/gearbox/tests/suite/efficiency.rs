@@ -1,4 +1,4 @@
-//! Efficiency with and without what the contact law creates.
+//! Efficiency with and without energy created by the contact law.
 
 use pinwheel_gearbox::Efficiency;
 use pinwheel_gearbox::energy::EnergyAudit;

@@ -1,9 +1,9 @@
-//! The energy account's works and samples.
+//! Works and samples of the energy account.
 
 use pinwheel_gearbox::energy::EnergyAccount;
 use pinwheel_timeseries::sampling::SAFETY;
 
-/// An account fed with one power, samples at the entries asked for.
+/// Returns an account of one power, with samples at the selected entries.
 fn account(
     segments: &[(&[f64], &dyn Fn(f64) -> f64)],
     sampled: impl Fn(usize) -> bool,
@@ -29,7 +29,7 @@ fn work(account: &EnergyAccount, from: f64, to: f64) -> f64 {
     account.audit(from, to).unwrap().damping_j
 }
 
-/// Exact for cubics, also on unequal entries, and of order 4 otherwise.
+/// Exact for cubics, also with unequal entries, and of order 4 otherwise.
 #[test]
 fn quadrature_has_its_order() {
     let cubic = |t: f64| 1.0 + t * (2.0 - t * (3.0 - 4.0 * t));
@@ -38,7 +38,7 @@ fn quadrature_has_its_order() {
     let found = account(&[(&times, &cubic)], |_| true);
     assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
     assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
-    // At the scale of a run, where all intervals are small, unequal ones are none the less unequal.
+    // At the scale of a run, where all intervals are small, unequal intervals are still recognised.
     let small = times.map(|t| 1e-4 * t);
     let found = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
     assert!((work(&found, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
@@ -51,7 +51,7 @@ fn quadrature_has_its_order() {
     assert!(order > 3.7, "{order}");
 }
 
-/// Whatever is a sample, the account of the same entries is the same.
+/// The account does not depend on which entries are samples.
 #[test]
 fn samples_do_not_change_the_works() {
     let times: Vec<f64> = (0..40)
@@ -69,7 +69,7 @@ fn samples_do_not_change_the_works() {
     }
 }
 
-/// However many entries there are, only samples take memory.
+/// Only samples take memory, for any number of entries.
 #[test]
 fn entries_between_samples_are_not_kept() {
     let times: Vec<f64> = (0..1000).map(f64::from).collect();
@@ -88,7 +88,7 @@ fn entries_are_never_far_apart() {
     assert_eq!(EnergyAccount::between(0.0, 1e-6, 1e-5, 1).count(), 0);
 }
 
-/// A power that jumps: each side's own cubic, nothing from over the jump.
+/// A power that jumps: each side has its own cubics, with nothing from across the jump.
 #[test]
 fn no_interval_reaches_over_a_jump() {
     let (before, after) = ([0.0, 0.1, 0.2, 0.3], [0.3, 0.35, 0.45, 0.5, 0.7]);
@@ -104,7 +104,7 @@ fn no_interval_reaches_over_a_jump() {
     assert!((part - exact).abs() < 1e-15, "{part} {exact}");
 }
 
-/// An account is of the samples nearest to what is asked for.
+/// An account is that of the samples nearest to the requested times.
 #[test]
 fn accounts_are_of_the_nearest_samples() {
     let found = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
@@ -124,14 +124,14 @@ fn too_little_is_no_account() {
     assert_eq!(EnergyAccount::default().total(), None);
 }
 
-/// Returns the uncertainty of the work driven and the work lost, J, that the account has for one of equal powers.
+/// Returns the uncertainties of the driving and of the lost work, J, of an account with equal powers.
 fn off(account: &EnergyAccount) -> [f64; 2] {
     let audit = account.total().unwrap();
     // Of seven equal powers two drive, and five are lost.
     [audit.remainder_off_j / 3.0, audit.lost_off_j / 5.0].map(|off| off / SAFETY)
 }
 
-/// Next to nothing where the power is smooth, the power's own size where entries do not follow it, the range of few.
+/// Uncertainty: negligible for a smooth power, the power's own size if under-sampled, the range of few entries.
 #[test]
 fn what_is_between_entries_is_told_from_them() {
     let seen = |power: &dyn Fn(f64) -> f64, entries: u32, h: f64| {

@@ -20,7 +20,7 @@ fn breaks_come_between_entries_and_before_their_sample() {
     assert_eq!(words(0.0, 1e-4, &[]), "s");
     assert_eq!(words(0.0, 1e-3, &[2e-3]), "eeeeeeeees");
     assert_eq!(words(0.0, 1e-4, &[3e-5]), "eeBeees");
-    // On the sample up to rounding, from either side; the next interval then begins at it.
+    // On the sample up to rounding, from either side; the next interval then begins there.
     for at in [1e-4, 1e-4 + 1e-17, 1e-4 - 1e-17] {
         assert_eq!(words(0.0, 1e-4, &[at]), "eeBs");
         assert_eq!(words(1e-4, 2e-4, &[at]), "ees");

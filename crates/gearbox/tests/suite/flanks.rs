@@ -1,4 +1,4 @@
-//! Discs with turned flanks.
+//! Discs with rotated flanks.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use pinwheel_gearbox::Geometry;
 use pinwheel_gearbox::internals::{Flanks, Seat, Touch};
 use pinwheel_scene::Scene;
 
-/// In the middle of a pit a pin may lie on both flanks: the deeper one counts.
+/// In the middle of a pit a pin may touch both flanks: the deeper one counts.
 #[test]
 fn of_two_flanks_the_nearer_is_touched() {
     let mut scene = Scene::paper();

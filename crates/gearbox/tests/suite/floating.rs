@@ -6,7 +6,7 @@ use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_mbs::Wrench;
 use pinwheel_scene::Scene;
 
-/// A bearing of needles, and one with clearance.
+/// Needle bearing, and one with clearance.
 const NEEDLES: [&str; 2] = [
     "bearings.eccentric.rollers=16",
     "bearings.eccentric.roller_length_m=0.009",
@@ -16,12 +16,12 @@ const LOOSE: [&str; 2] = [
     "bearings.eccentric.clearance_m=5e-6",
 ];
 
-/// Supports and a first stage that give way.
+/// Elastic supports and an elastic first stage.
 const RV: [&str; 2] = [
     "cranks.mesh_stiffness_n_m=5e7",
     "cranks.support_stiffness_n_m=4e8",
 ];
-/// A ring of 40 pins on 64 mm with two discs under 412 N m, Palmgren's rollers on 9 mm.
+/// Ring of 40 pins on 64 mm with two discs under 412 N m, Palmgren's rollers on 9 mm.
 const RING: [&str; 12] = [
     "gear.external_sleeves=40",
     "gear.shortening=0.8125",
@@ -42,7 +42,7 @@ fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
     Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
 }
 
-/// Both forms integrate the same motion, with friction treated explicitly and implicitly.
+/// Both formulations integrate one motion, with explicit and implicit friction.
 #[test]
 fn both_forms_agree() {
     let methods = [
@@ -82,7 +82,7 @@ fn both_forms_agree() {
     }
 }
 
-/// Every disc and the output are free of force and moment, whatever the load, the clearance and the pose.
+/// Every disc and the output are free of force and moment, for any load, clearance and pose.
 #[test]
 fn balances_are_balances() {
     for (preset, bearing) in [
@@ -121,13 +121,13 @@ fn balances_are_balances() {
             }
             outputs.push(found.output);
         }
-        // A larger load twists further, in its own direction.
+        // A larger load twists farther, in its own direction.
         let further = |two: &[f64]| (two[0] - two[1]) * rated > 0.0;
         assert!(outputs.windows(2).all(further), "{outputs:?}");
     }
 }
 
-/// Near a rigid gear as the bearing stiffens; softer with one; and clearance is lost motion.
+/// The gear approaches a rigid one as the bearing stiffens; a bearing softens it, and clearance is lost motion.
 #[test]
 fn bearings_soften_the_gear_and_clearance_loosens_it() {
     let twist = |sets: &[&str], load: f64| {
@@ -145,8 +145,8 @@ fn bearings_soften_the_gear_and_clearance_loosens_it() {
     assert!(lost(&LOOSE) > 1.3 * tight, "{} {tight}", lost(&LOOSE));
 }
 
-/// On equal linear springs a pin adds its own to each: the twist grows by T/(w k zi R^2/4), half of the zi pins on the circle R
-/// carrying w discs, whatever the contacts.
+/// On equal linear springs pins add their own compliance: the twist grows by T/(w k zi R^2/4), with half of the zi pins on the
+/// circle R carrying w discs, for any contacts.
 #[test]
 fn published_pins_bend_in_series() {
     let twist = |pin: f64| {
@@ -168,8 +168,8 @@ fn published_pins_bend_in_series() {
     }
 }
 
-/// The ring on its own, with Palmgren's bearing of sixteen needles, and with pins: an independent program found these stiffnesses, N m/arcmin, and lost motions, arcmin, with contacts alone, bearings, pins of
-/// 5e7 N/m besides, and 5 um of clearance.
+/// The ring with Palmgren's bearing of sixteen needles, and with pins: stiffnesses, N m/arcmin, and lost motions, arcmin, of an
+/// independent program, with contacts alone, bearings, additional pins of 5e7 N/m, and 5 um of clearance.
 #[test]
 fn published_what_bearings_and_pins_leave_of_a_gear() {
     let pins = "bearings.internal_sleeve_stiffness_n_m=5e7";
@@ -199,12 +199,12 @@ fn published_what_bearings_and_pins_leave_of_a_gear() {
                 "{found} {stiffness}"
             );
         }
-        // Two or three digits were told.
+        // The program printed two or three digits.
         assert!((most / lost - 1.0).abs() < 0.01, "{most} {lost}");
     }
 }
 
-/// The largest force of a contact under the load, N m, in 24 poses of a turn of the eccentrics, which is `turns` of the input, N.
+/// Returns the largest contact force, N, under the load, N m, in 24 poses of one turn of the eccentrics, `turns` of the input.
 fn largest_over_a_turn(gearbox: &Gearbox, load: f64, turns: f64) -> f64 {
     let mut statics = Statics::new(gearbox).unwrap();
     let poses = (0..24).map(|k| turns * (0.1 + std::f64::consts::TAU * f64::from(k) / 24.0));
@@ -216,9 +216,10 @@ fn largest_over_a_turn(gearbox: &Gearbox, load: f64, turns: f64) -> f64 {
     forces.fold(0.0, f64::max)
 }
 
-/// One housing pin 10 um too far in carries eight times what it should and more. What discs that float make of it is the contacts'
-/// matter: soft ones let the disc's own offset add to it, stiff ones are spared. Both balances were found by numpy too, with
-/// contacts and equations of its own: to 2e-7 of the largest force held, to 1.2e-5 floating; once more in linear geometry to 1e-4.
+/// One housing pin 10 um too far inward carries more than eight times its nominal force. The effect of floating discs depends
+/// on the contacts: soft ones let the disc's own offset add to the force, stiff ones are relieved. Both equilibria were also
+/// solved in numpy with independent contacts and equations, to 2e-7 of the largest force with rigid bearings and 1.2e-5 with
+/// floating discs, and in linear geometry to 1e-4.
 #[test]
 fn regress_a_pin_too_far_in_and_discs_that_float() {
     let errors = format!(
@@ -244,7 +245,7 @@ fn regress_a_pin_too_far_in_and_discs_that_float() {
     assert!(real < 0.95 * rigid, "{real} {rigid}");
 }
 
-/// The energy in equals the energy out, and the forces approach those of rigid pins as pins stiffen.
+/// Energy in equals energy out, and the forces approach those of rigid pins as pins stiffen.
 #[test]
 fn pins_store_what_they_bend() {
     let run = |sets: &[&str]| {
@@ -253,7 +254,7 @@ fn pins_store_what_they_bend() {
             "solver.integrator=\"dop853\"",
             "solver.tolerance=1e-10",
             "solver.duration_s=0.02",
-            // How often the account looks; at 1e-5 it misses 1.6e-4.
+            // Step of the account's entries; at 1e-5 it misses 1.6e-4.
             "solver.step_s=2e-6",
         ];
         native::run(
@@ -287,8 +288,7 @@ fn hard_clearance_without_load_rests() {
     }
 }
 
-/// A gear of a watch: its rollers are so stiff beside its bearings that rounding of places leaves more than a share of 1e-9 of a
-/// light load.
+/// Gear of a watch: its rollers are so stiff relative to its bearings that rounding of positions exceeds 1e-9 of a light load.
 #[test]
 fn hard_stiff_rollers_of_a_watch_balance() {
     let sets = [
@@ -321,12 +321,12 @@ fn hard_stiff_rollers_of_a_watch_balance() {
             .sum::<f64>()
             / 20.0
     };
-    // Bearings and pins are linear, contacts nearly.
+    // Bearings and pins are linear, contacts nearly so.
     let [whole, part] = [2.17e-5, 6.5e-7].map(|load| turned(load, &mut statics) / load);
     assert!((whole / part - 1.0).abs() < 0.2, "{whole} {part}");
 }
 
-/// Stiffness about a balance is the slope of the load over the twist.
+/// Stiffness at an equilibrium is the slope of the load over the twist.
 #[test]
 fn compliance_is_the_slope_of_the_twist() {
     let gearbox = gearbox("paper", &NEEDLES);
@@ -342,7 +342,7 @@ fn compliance_is_the_slope_of_the_twist() {
     assert!(damping > 0.0, "{damping}");
 }
 
-/// A start in balance has no transient: from the first sample the largest force is that of the steady motion.
+/// A start in equilibrium has no transient: the early range of the driver's torque is below 1.5 times the later one.
 #[test]
 fn equilibrium_start_has_no_transient() {
     let sets = [
@@ -372,8 +372,8 @@ fn equilibrium_start_has_no_transient() {
     );
 }
 
-/// The energy that the bearings store and lose is in the account: under a law with a potential no more is left over
-/// than in a rigid gear (4e-5 there, whatever the tolerance).
+/// The account includes the energy stored and lost by bearings: the remainder under a law with a potential is that of a rigid
+/// gear (4e-5 there, at any tolerance).
 #[test]
 fn the_energy_account_closes() {
     let sets = [
@@ -388,7 +388,7 @@ fn the_energy_account_closes() {
         let audit = run.energy.audit(0.0, 0.02).unwrap();
         let (left, known) = (audit.remainder_j.abs(), audit.remainder_off_j);
         println!("{preset}: {left} J, known to {known} J");
-        // Of the RV gear's transient entries miss some.
+        // For the RV gear's transient the entries are too sparse.
         assert!(
             left < (1e-4 * audit.driver_j).max(known),
             "{preset}: {audit:?}"
@@ -398,14 +398,14 @@ fn the_energy_account_closes() {
 
 const DOPRI5: &str = "solver.integrator=\"dopri5\"";
 
-/// The energy account of the paper's gear over 0.02 s from its balance.
+/// Returns the energy account of the paper's gear over 0.02 s from its equilibrium.
 fn audit(sets: &[&str]) -> EnergyAudit {
     let run = ["drive.start=\"equilibrium\"", "solver.duration_s=0.02"];
     let run = native::run(&gearbox("paper", &[sets, &run].concat()), &mut |_| false).unwrap();
     run.energy.audit(0.0, 0.02).unwrap()
 }
 
-/// A bearing's friction takes what its moment says from the driver, in the account too.
+/// A bearing's friction takes the power of its moment from the driver, in the account, too.
 #[test]
 fn friction_of_bearings_is_lost_power() {
     let run = |friction: &str| {
@@ -421,7 +421,7 @@ fn friction_of_bearings_is_lost_power() {
     let coefficient = |value: f64| format!("bearings.eccentric.friction_coefficient={value}");
     let [none, some] = [0.0, 0.002].map(|value| run(&coefficient(value)));
     assert_eq!(none.friction_j, 0.0);
-    // Force of some 600 N on either disc, at 53.6 rad/s against its eccentric.
+    // Force of some 600 N on each disc, at 53.6 rad/s relative to its eccentric.
     let scale = 2.0 * 0.5 * 0.002 * 0.02 * 600.0 * 53.6 * 0.02;
     assert!(
         (0.5..2.0).contains(&(some.friction_j / scale)),
@@ -434,7 +434,7 @@ fn friction_of_bearings_is_lost_power() {
     );
 }
 
-/// The ring of `rv-40e-like` with contacts and needles of another program (Python, its own code).
+/// Ring of `rv-40e-like` with contacts and needles of an independent program (Python).
 const THEIRS: [&str; 3] = [
     "contact.law=\"line-contact\"",
     "contact.line_length_m=0.009",
@@ -442,7 +442,7 @@ const THEIRS: [&str; 3] = [
 ];
 const RIGID_SUPPORTS: &str = "cranks.support_stiffness_n_m=1e15";
 
-/// Twist under all of the load over that under half of it, N m/arcmin.
+/// Returns the load over the twist, from half of the load to all of it, N m/arcmin.
 fn stiffness(preset: &str, sets: &[&str], is_rigid: bool) -> f64 {
     let gearbox = gearbox(preset, sets);
     let load = gearbox.scene.drive.output_torque_n_m;
@@ -454,18 +454,18 @@ fn stiffness(preset: &str, sets: &[&str], is_rigid: bool) -> f64 {
     0.5 * load / (at(1.0) - at(0.5)) / ARCMIN
 }
 
-/// Arc minutes of a radian.
+/// Arc minutes in a radian.
 const ARCMIN: f64 = 10_800.0 / std::f64::consts::PI;
 
-/// Another program's figures for two RV gears, N m/arcmin: contacts alone, with the cranks' needles, with their supports, which are
-/// assumptions. Its contacts of RV-320 are half as stiff as the scene's: the scene's own meet the closed form
-/// k (e (zk + rho))^2 zk/4 a disc, and a third program (numpy, linear geometry) found 46 590, 4670 and 2404 for 1e9 N/m, 23 298 and
-/// 4225 for 5e8; for `rv-40e-like` 4637, 591, 323.
+/// Stiffness of two RV gears by an independent program, N m/arcmin: contacts alone, with the cranks' needles, with their
+/// supports, which are assumptions. Its contacts of RV-320 are half as stiff as the scene's. The scene's contacts agree with
+/// the closed form k (e (zk + rho))^2 zk/4 for each disc. A third program (numpy, linear geometry) gave 46 590, 4670 and 2404
+/// for 1e9 N/m, 23 298 and 4225 for 5e8; for `rv-40e-like` 4637, 591, 323.
 #[test]
 fn published_rv_stiffness_by_parts() {
     let soft = "contact.external_spring_n_m=5e8";
     for (preset, sets, theirs, most) in [
-        // Measured 0.4, 0.4 %; supports are not theirs.
+        // Measured 0.4, 0.4 %; supports differ from theirs.
         (
             "rv-320",
             &[THEIRS[2], soft][..],
@@ -500,8 +500,7 @@ fn published_rv_stiffness_by_parts() {
     assert!((ours / closed - 1.0).abs() < 3e-3, "{ours} {closed}");
 }
 
-/// An involute mesh of the gear of the same program deflects by a 400th of the rest; by hand 1/((zk + rho)^2 N k (r cos
-/// 20 deg)^2).
+/// The involute mesh of the program's gear contributes 1/400 of the deflection; by hand 1/((zk + rho)^2 N k (r cos 20 deg)^2).
 #[test]
 fn published_rv_mesh_is_in_series() {
     let [rigid, elastic] = ["1e15", "1.6e8"].map(|mesh| {
@@ -516,7 +515,7 @@ fn published_rv_mesh_is_in_series() {
     assert!((0.002..0.004).contains(&(added / rigid)), "{added} {rigid}");
 }
 
-/// Lost motion grows with the clearance, on two cranks by 0.19 arcmin a micrometre; arcmin, of the same program.
+/// Lost motion grows with the clearance, on two cranks by 0.19 arcmin per micrometre; arcmin, by the same program.
 #[test]
 fn published_rv_lost_motion() {
     for (um, theirs) in [(0, 0.12), (2, 0.53), (5, 1.11), (10, 2.07)] {
@@ -530,9 +529,10 @@ fn published_rv_lost_motion() {
     }
 }
 
-/// One pin 10 um too far in on the cranks' ring: the same program's largest forces, N, floating on needles and on stiff bearings.
-/// On needles it jumps by a fifth where the pin passes the eccentric, so that the poses that are looked at decide: a third program
-/// (numpy, linear geometry) found 3112 to 3141 in 24 poses, as the cranks stand, and 3242 in 96; 3475 on stiff bearings.
+/// One pin 10 um too far inward on the cranks' ring: largest forces of the same program, N, floating on needles and on stiff
+/// bearings. On needles the force jumps by a fifth where the pin passes the eccentric, so that the result depends on the poses:
+/// a third program (numpy, linear geometry) gave 3112 to 3141 in 24 poses, depending on the cranks' position, and 3242 in 96;
+/// 3475 on stiff bearings.
 #[test]
 fn published_a_pin_too_far_in_on_cranks() {
     let errors = format!(
@@ -555,7 +555,8 @@ fn published_a_pin_too_far_in_on_cranks() {
     }
 }
 
-/// One crank's bearing loose, and a crank out of phase: the gear still balances, and the force goes elsewhere.
+/// With one loose crank bearing, or a crank out of phase, the gear still has an equilibrium, with another distribution of
+/// forces.
 #[test]
 fn hard_cranks_with_errors_balance() {
     let largest = |errors: &str| {
@@ -577,8 +578,8 @@ fn hard_cranks_with_errors_balance() {
         "{alike} {loose} {turned}"
     );
 }
-/// Seals take their torques times the rates from the driver, in the account too, by whatever method and with floating discs or
-/// held ones.
+/// Seals take the power of their torques from the driver, in the account, too, with any method and with floating or rigid
+/// discs.
 #[test]
 fn seals_are_lost_power() {
     for (bearing, method) in [
@@ -606,7 +607,7 @@ fn seals_are_lost_power() {
     }
 }
 
-/// Sleeves that rub on their pins take from the driver what they lose, with discs that float or are held, and by any method.
+/// Sleeves with friction on their pins take their loss from the driver, with floating or rigid discs, and with any method.
 #[test]
 fn sleeves_on_their_pins_are_lost_power() {
     for (bearing, method) in [
@@ -627,20 +628,20 @@ fn sleeves_on_their_pins_are_lost_power() {
         let [none, some, twice] = [0.0, 0.02, 0.04].map(run);
         assert_eq!(none.friction_j, 0.0);
         println!("{method}: {} of {}", some.friction_j, some.driver_j);
-        // The driver supplies it, and no more is left over than without.
+        // The driver supplies it, and the remainder does not grow.
         let dearer = (some.driver_j - none.driver_j) / some.friction_j;
         assert!((dearer - 1.0).abs() < 0.02, "{method}: {dearer}");
-        // The forces grow with it too: measured 2.021.
+        // The forces grow, too: measured 2.021.
         let grown = twice.friction_j / some.friction_j;
         assert!((2.0..2.05).contains(&grown), "{method}: {grown}");
         assert!(some.remainder_share.unwrap().abs() < 1e-4, "{some:?}");
     }
 }
 
-/// Cost of a run by `auto` with floating discs over held ones, in evaluations. A disc swings faster on its bearing
-/// than on its contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings
-/// are linear enough that steps follow contacts alone, as long as the linear part is kept new: `paper`'s driver torque
-/// is then 3.4e-4 off, and would be 1.6e-3.
+/// Cost of a run by `auto` with floating discs relative to rigid ones, in evaluations. A disc oscillates faster on its bearing
+/// than on its contacts, by the factors: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings
+/// are nearly linear, so only contacts limit the steps as long as the linear part is updated: the error of `paper`'s driver
+/// torque is then 3.4e-4, otherwise 1.6e-3.
 #[test]
 fn regress_what_floating_wheels_cost() {
     let evaluations = |preset: &str, sets: &[&str]| {
@@ -650,7 +651,7 @@ fn regress_what_floating_wheels_cost() {
     };
     let soft = ["bearings.eccentric.stiffness_n_m=5e7"];
     for (preset, sets, bearing, duration, most) in [
-        // 2048 to 2105, 2311 to 3008, 1979 to 2141 as the load comes on.
+        // 2048 to 2105, 2311 to 3008, 1979 to 2141 as the load rises.
         ("paper", &[][..], &NEEDLES[..], "0.05", 1.2),
         ("eleven-pins", &[], &NEEDLES, "0.05", 1.4),
         ("one-wheel", &[], &NEEDLES, "0.05", 1.2),

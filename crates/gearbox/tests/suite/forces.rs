@@ -1,4 +1,4 @@
-//! Contact forces and the load as the mechanism's forces.
+//! Contact forces and the load as forces of the mechanism.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
@@ -12,13 +12,13 @@ fn gearbox(sets: &[(&str, &str)]) -> Gearbox {
     Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
 }
 
-/// Forces of the gear, and its contacts.
+/// Returns the forces of the gear, and its contacts.
 fn both(gearbox: &Gearbox) -> (GearForces, ContactField) {
     let forces = GearForces::new(gearbox).unwrap();
     (forces, gearbox.contact_field().unwrap())
 }
 
-/// A pose under load, with rates at which contacts slide.
+/// Returns a pose under load, with rates at which contacts slide.
 fn pose(gearbox: &Gearbox) -> Vec<BodyState> {
     let mut statics = Statics::new(gearbox).unwrap();
     let mut bodies = statics.solve(0.3, 22.0).unwrap().bodies;
@@ -28,7 +28,7 @@ fn pose(gearbox: &Gearbox) -> Vec<BodyState> {
     bodies
 }
 
-/// Friction told apart and put on again, pair by pair, is all that there was.
+/// Listed friction plus the remaining loads gives the total, pair by pair.
 #[test]
 fn the_whole_is_friction_and_the_rest() {
     for law in ["paper", "paper-conservative"] {
@@ -81,7 +81,7 @@ fn the_whole_is_friction_and_the_rest() {
     }
 }
 
-/// The load is that of the segment, and so is how it rises and falls.
+/// The load and its rate are those of the present segment.
 #[test]
 fn loads_follow_their_leg() {
     let gearbox = gearbox(&[

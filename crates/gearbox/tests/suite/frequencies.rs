@@ -1,11 +1,11 @@
-//! Frequencies that steps have to follow.
+//! Frequencies that limit steps.
 
 use std::f64::consts::TAU;
 
 use pinwheel_gearbox::{Frequencies, friction_rate};
 use pinwheel_scene::{Scene, scales};
 
-/// Modes of the paper's gear are 1740, 1660 and 530 Hz, from the eigenvalues of its Jacobian at the load.
+/// Modes of the paper's gear are 1740, 1660 and 530 Hz, by the eigenvalues of its Jacobian at the load.
 #[test]
 fn the_papers_fastest_mode() {
     let found = Frequencies::of(&Scene::paper());
@@ -15,8 +15,7 @@ fn the_papers_fastest_mode() {
     assert_eq!(found.friction_1_s, 0.0);
 }
 
-/// A third of a touch at the contacts' frequency, or an eighth of the time from pin to pin, of whichever kind passes more
-/// often.
+/// A third of a touch at the contacts' frequency, or an eighth of the time from pin to pin, of the kind that passes more often.
 #[test]
 fn steps_see_every_sleeve() {
     let mut scene = Scene::paper();
@@ -34,7 +33,7 @@ fn steps_see_every_sleeve() {
     );
 }
 
-/// Each disc carries its part of the load, which decides where a law is not of Hertz' power.
+/// Each disc carries its part of the load, which matters for a law with another power than Hertz'.
 #[test]
 fn depths_are_those_of_one_wheel() {
     let share = |wheels: usize, load: f64| {
@@ -56,7 +55,7 @@ fn friction_rate_of_the_paper() {
     scene.contact.friction_coefficient = 0.1;
     let rate = friction_rate(&scene);
     assert!((rate / 6.5e5 - 1.0).abs() < 0.5, "{rate}");
-    // Pins that weigh next to nothing set it, whichever they are.
+    // Nearly massless pins determine it, of either kind.
     for kind in [true, false] {
         let mut scene = scene.clone();
         let (gear, mass) = (&scene.gear, &mut scene.mass);

@@ -5,7 +5,7 @@ use pinwheel_gearbox::{Gearbox, Geometry};
 use pinwheel_scene::scales::least_depth;
 use pinwheel_scene::{Detection, Layout, Scene};
 
-/// Every body that is carried starts with the velocity of its place, the input's and the output's.
+/// Every carried body starts with the velocity of its position on input or output.
 #[test]
 fn carried_bodies_start_with_their_carriers() {
     let sets = ["gear.wheels=3".parse().unwrap()];
@@ -22,7 +22,7 @@ fn carried_bodies_start_with_their_carriers() {
     }
 }
 
-/// Without a load, errors are measured by a pin that is pressed in as deep as the least force does.
+/// Without a load the scale of errors is a pin's penetration under the least force.
 #[test]
 fn scales_without_a_load_are_those_of_the_least_force() {
     let sets = ["drive.output_torque_n_m=0".parse().unwrap()];

@@ -1,4 +1,4 @@
-//! The guard of states: what free play explains passes, a quarter of a pitch beyond it does not.
+//! Guard of states: free play passes, a quarter of a pitch beyond it fails.
 
 use pinwheel_gearbox::{Gearbox, guard};
 use pinwheel_mbs::BodyState;
@@ -9,7 +9,7 @@ fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
     Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
 }
 
-/// All bodies on their ideal mesh with the input at 0.3 rad.
+/// Returns all bodies on their ideal mesh with the input at 0.3 rad.
 fn ideal(gearbox: &Gearbox) -> Vec<BodyState> {
     let mut bodies: Vec<BodyState> = gearbox.mechanism().bodies.iter().map(|b| b.start).collect();
     let input = 0.3;
@@ -21,8 +21,8 @@ fn ideal(gearbox: &Gearbox) -> Vec<BodyState> {
     bodies
 }
 
-/// Free play by hand: a disc turns d sqrt(1 - m^2)/(e zs) within its backlash d, the output by the clearance of its
-/// holes over their circle's radius more.
+/// Free play by hand: a disc rotates by d sqrt(1 - m^2)/(e zs) within its backlash d, the output additionally by the clearance
+/// of its holes over their circle's radius.
 #[test]
 fn hard_free_play_is_allowed_and_a_quarter_pitch_more() {
     for sets in [
@@ -38,7 +38,7 @@ fn hard_free_play_is_allowed_and_a_quarter_pitch_more() {
         let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
         let output = wheel + clearance / gear.internal_circle_radius_m;
         let quarter = std::f64::consts::TAU / teeth / 4.0;
-        // The play is told from none by more than the 1 % below.
+        // The play exceeds the 1 % below.
         let play = sets.iter().all(|set| !set.contains("backlash"));
         assert!(!play || wheel > 0.05 * quarter, "{wheel} {quarter}");
         let wheel_body = gearbox.layout.wheel_bodies().last().unwrap();

@@ -1,4 +1,4 @@
-//! The contact loop in lanes against the scalar one, its oracle, and both against closest points by brute force.
+//! The contact loop in lanes against the scalar loop, and both against closest points by brute force.
 
 #[path = "../../../contact/tests/suite/brute/mod.rs"]
 mod brute;
@@ -10,7 +10,7 @@ use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 use pinwheel_scene::{CheckedScene, Layout, Override, Scene, Sleeve};
 use proptest::prelude::*;
 
-/// All loops but the scalar one.
+/// All loops except the scalar one.
 const LANES: [Kernel; 3] = [Kernel::Lanes, Kernel::Avx2, Kernel::Portable];
 
 fn gearbox(preset: &str, sets: &[(&str, &str)]) -> Gearbox {
@@ -18,7 +18,7 @@ fn gearbox(preset: &str, sets: &[(&str, &str)]) -> Gearbox {
     Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
 }
 
-/// Loads of both loops on the same states.
+/// Returns the loads by one loop.
 fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench> {
     let mut gearbox = gearbox.clone();
     gearbox.kernel = kernel;
@@ -30,7 +30,7 @@ fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench>
     loads
 }
 
-/// Touching pairs and energies of one loop.
+/// Returns the touching pairs and energies by one loop.
 fn pairs(
     gearbox: &Gearbox,
     kernel: Kernel,
@@ -44,7 +44,7 @@ fn pairs(
     (list, field.energy(bodies))
 }
 
-/// Loads and energies of the loop in lanes from one walk.
+/// Returns loads and energies in lanes from one pass.
 fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>, ContactEnergy) {
     let mut gearbox = gearbox.clone();
     gearbox.kernel = kernel;
@@ -56,7 +56,7 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
     (loads, energy)
 }
 
-/// Moments, loads and energy from angles and rates alone; `None` if the field cannot tell them.
+/// Returns energy, with moments and loads, from angles and rates; `None` if the field does not provide it.
 fn from_angles(
     field: &mut ContactField,
     bodies: &[BodyState],
@@ -73,7 +73,7 @@ fn from_angles(
     })
 }
 
-/// Moments about the pins, and loads with energies, from angles and rates alone.
+/// Returns moments about the pins, and loads with energies, from angles and rates.
 fn held(
     gearbox: &Gearbox,
     kernel: Kernel,
@@ -100,7 +100,7 @@ fn held(
     assert_eq!(held, known.then_some(energy));
     if known {
         assert_eq!(written, loads, "one way to the loads");
-        // What moments alone tell, but for the input.
+        // Moments alone agree, except for the input's.
         let largest = all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         moments[Layout::INPUT] = all[Layout::INPUT];
         for (a, b) in moments.iter().zip(&all) {
@@ -110,7 +110,7 @@ fn held(
     known.then_some((moments, loads, energy))
 }
 
-/// The moments about the pins of input, output and discs that these loads have.
+/// Returns the moments of these loads about the pins of input, output and discs.
 fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64> {
     let mut moments: Vec<f64> = loads.iter().map(|load| load.moment).collect();
     for body in gearbox.layout.internal_bodies() {
@@ -125,7 +125,7 @@ fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64
     moments
 }
 
-/// Initial states turned on by the input angle, every disc and the output twisted by up to `twist`.
+/// Returns initial states advanced by the input angle, with every disc and the output twisted by up to `twist`.
 fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyState> {
     let mut bodies = gearbox.initial_states();
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
@@ -165,7 +165,7 @@ fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyS
     bodies
 }
 
-/// Depth of every ring pin in every disc by brute force, 0 where they do not touch, against the pairs of a loop.
+/// Compares the depth of every ring pin in every disc by brute force, 0 without contact, with the pairs of a loop.
 fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) {
     let (layout, curve) = (gearbox.layout, &gearbox.geometry.curve);
     let larger = gearbox.scene.gear.external_sleeve_radius_m - gearbox.geometry.edge_offset_m;
@@ -179,7 +179,7 @@ fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) 
                 .iter()
                 .find(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
             let found = pair.map_or(0.0, |pair| pair.penetration_m);
-            // Angles are known to some 4e-16 rad.
+            // Angles are accurate to some 4e-16 rad.
             let rounding = 4e-15 * curve.pitch_radius();
             assert!(
                 (found - depth).abs() <= rounding,
@@ -189,8 +189,8 @@ fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) 
     }
 }
 
-/// Poses where the lanes' Newton steps run out on a pin that touches nothing; it was once taken for a contact, up to
-/// 14 mm deep. Gears of (zk, m, backlash), discs at the input angle and behind the ideal mesh by the lag, rad.
+/// Poses where the lanes' Newton steps run out on a pin without contact, once taken for a contact up to 14 mm deep. Gears of
+/// (zk, m, backlash), with discs at the input angle, behind the ideal mesh by the lag, rad.
 #[test]
 fn regress_lanes_out_of_steps_touch_nothing() {
     for (zk, m, backlash, input, lag) in [
@@ -253,8 +253,8 @@ fn regress_lanes_out_of_steps_touch_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any gear (zk and zi no multiple of the lanes), friction or not, backlash or not, with a force along the profile or
-    /// without, by any instructions.
+    /// Any gear (zk and zi no multiple of the lanes), with or without friction, backlash and a force along the profile, for all
+    /// instruction sets.
     #[test]
     fn lanes_equal_the_scalar_loop(
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
@@ -275,13 +275,13 @@ proptest! {
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         scene.contact.law = ["paper", "paper-conservative", "line-hertz", "linear"][law].to_owned();
-        // Holes may leave the disc: the kernels do not mind.
+        // Holes may extend beyond the disc, with no effect on the kernels.
         let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone())).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
         let (fast, slow) = (loads(&gearbox, kernel, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
-        // 1e-13 of the largest force, and what rounding of positions does to both alike: a radius of R is
-        // known to about 2 ulp, which the slope 1.5 F/delta turns into force. With friction, velocities are
-        // known to 1e-16 of 1 m/s and the slope is mu F/v_s.
+        // 1e-13 of the largest force, plus the effect of rounding of positions: a radius of R is accurate to about 2 ulp, which
+        // the slope 1.5 F/delta converts to force. With friction, velocities are accurate to 1e-16 of 1 m/s and the slope is mu
+        // F/v_s.
         let ulps = 4.0 * f64::EPSILON * (gearbox.geometry.curve.pitch_radius() + 0.0028);
         let mut noise = 1e-13;
         let mut largest = 0.0_f64;
@@ -296,7 +296,7 @@ proptest! {
         let moment = force * gearbox.geometry.curve.pitch_radius();
         let (mut listed, mut oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
         check_depths(&gearbox, &bodies, &oracle.0);
-        // Rounding decides whether pins touch that only just do.
+        // Rounding decides whether barely touching pins count.
         for list in [&mut listed.0, &mut oracle.0] {
             list.retain(|pair| pair.penetration_m > 100.0 * ulps);
         }
@@ -304,7 +304,7 @@ proptest! {
         for (a, b) in listed.0.iter().zip(&oracle.0) {
             prop_assert_eq!((a.wheel, a.sleeve), (b.wheel, b.sleeve));
             prop_assert!((a.penetration_m - b.penetration_m).abs() <= 4.0 * ulps);
-            // Friction's slope mu F/v_s turns rounding of velocities (1e-16 of 1 m/s) into force.
+            // Friction's slope mu F/v_s converts rounding of velocities (1e-16 of 1 m/s) to force.
             prop_assert!((a.normal_force_n - b.normal_force_n).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.friction_force_n - b.friction_force_n).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.along_force_n - b.along_force_n).abs() <= force, "{a:?} {b:?} {force}");
@@ -350,7 +350,7 @@ proptest! {
     }
 }
 
-/// Every law: the moments by levers are those of the scalar loop.
+/// For every law the moments by levers are those of the scalar loop.
 #[test]
 fn levers_serve_every_law() {
     for info in pinwheel_contact::laws::LAWS {
@@ -379,7 +379,7 @@ fn levers_serve_every_law() {
     }
 }
 
-/// Discs that float: the loads by levers are those of the scalar loop, wherever the discs are, with any bearing and pin.
+/// For floating discs at any position the loads by levers are those of the scalar loop, with any bearing and pin.
 #[test]
 fn levers_know_wheels_that_float() {
     let bearings = [
@@ -393,7 +393,7 @@ fn levers_know_wheels_that_float() {
         ("bearings.sleeve_friction_coefficient", "0.05"),
         ("bearings.sleeve_bore_m", "0.004"),
     ];
-    // On some pins less than the sleeve's own friction, 0.05 times 2 over 3 to 6 mm.
+    // Less friction on some pins than the sleeve's own, 0.05 times 2 over 3 to 6 mm.
     let slides = [&rubs[..], &[("contact.friction_coefficient", "0.02")]].concat();
     for (preset, law) in [
         ("paper", "paper"),
@@ -458,7 +458,7 @@ fn levers_know_wheels_that_float() {
     }
 }
 
-/// A field keeps what it has found where it still holds; the same states give the same bits wherever it has been before.
+/// A field reuses valid results; equal states give equal bits after any history.
 #[test]
 fn fields_know_no_history() {
     for preset in ["paper", "backlash-0.6", "forty-pins", "eleven-pins"] {
@@ -470,7 +470,7 @@ fn fields_know_no_history() {
             let mut differ = 0;
             let mut before = Vec::new();
             for k in 0..600 {
-                // Back and forth, a sample's turn at a time.
+                // Back and forth, by the rotation of one sample at a time.
                 let turn = 0.0157 * f64::from(if k < 400 { k } else { 800 - k });
                 let twist = (play + 2e-4) * (0.02 * f64::from(k)).cos();
                 let bodies = states(&gearbox, turn, twist, &[1.0, 0.8, 0.9]);
@@ -492,8 +492,8 @@ fn fields_know_no_history() {
     }
 }
 
-/// No pin that touches is left out, and none that does not is found: forces on every ring pin against the scalar
-/// loop, over random gears and poses. `PINWHEEL_POSES=10000000` runs as many.
+/// Touching pins are complete and exact: forces on every ring pin against the scalar loop, over random gears and poses.
+/// `PINWHEEL_POSES=10000000` runs as many.
 #[test]
 fn hard_levers_find_what_touches() {
     const POSES: u64 = 100;
@@ -524,7 +524,7 @@ fn hard_levers_find_what_touches() {
         let mut gearbox = Gearbox::new(&CheckedScene::unchecked(scene)).unwrap();
         let curve = &gearbox.geometry.curve;
         let (zs, radius) = (f64::from(curve.lobes()), curve.pitch_radius());
-        // A quarter of a pitch to either side, most often about as far as the play goes.
+        // A quarter of a pitch to either side, mostly about the size of the play.
         let reach = if random(0.0, 1.0) < 0.8 {
             2.0 * (gearbox.scene.gear.backlash_m - gearbox.scene.gear.modification.radial_m)
                 .max(0.0)
@@ -554,7 +554,7 @@ fn hard_levers_find_what_touches() {
             for body in gearbox.layout.external_bodies() {
                 let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
                 touching += u64::from(a > 0.0);
-                // Rounding of the radius, as a penetration, at the steepest force there is.
+                // Rounding of the radius, as a penetration, at the largest slope of the force.
                 let depth = 1e-14 * radius;
                 let bound = 1e-9 * a.max(b) + 8.0 * depth / 1e-5 + 1e9 * depth * 0.1;
                 assert!(
@@ -570,8 +570,8 @@ fn hard_levers_find_what_touches() {
     assert!(touching > poses / 4);
 }
 
-/// Closest points of every pair, most of which do not touch: W stands where the normal leads from P, and the points of the
-/// paper's detection are near those of the curves.
+/// Closest points of every pair, most of which do not touch: W is where the normal points from P, and the points of the paper's
+/// detection are near those of the curves.
 #[test]
 fn gaps_have_places_and_directions() {
     let of = |detection: &str| {

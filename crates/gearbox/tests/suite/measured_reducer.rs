@@ -1,4 +1,4 @@
-//! Measured gears beside presets: an RV reducer's twist and orders, and the signs of a damage.
+//! Measured gears beside presets: an RV reducer's twist and orders, and signs of damage.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,11 +6,11 @@ use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::Scene;
 
-/// Arc minutes of a radian.
+/// Arc minutes in a radian.
 const ARCMIN: f64 = 10_800.0 / PI;
-/// Least torque of the measured straight line, N m.
+/// Least torque of the measured linear range, N m.
 const LINE: f64 = 300.0;
-/// Turns of the input for one of the output.
+/// Turns of the input for one turn of the output.
 const RATIO: f64 = 81.0;
 
 fn gearbox(sets: &[&str]) -> Gearbox {
@@ -81,7 +81,7 @@ impl Twist {
 }
 
 /// Two fitted numbers, a support's stiffness and a bearing's clearance, give the measured twist at every torque. Without the
-/// supports needles decide: the gear is 8 times as stiff and its twist no straight line, which the measurement excludes.
+/// supports the needles dominate: the gear is 8 times as stiff and its twist is not linear, which the measurement excludes.
 #[test]
 fn published_measured_reducer_by_one_compliance_and_one_clearance() {
     let measured = measured();
@@ -182,9 +182,10 @@ fn orders<const N: usize>(sets: &[&str], load: f64, orders: [u32; N]) -> [f64; N
     sums.map(|[cos, sin]| 2.0 * cos.hypot(sin) / f64::from(POSES) * ARCMIN)
 }
 
-/// Without clearance a bore out of its place gives the measured order 40, which load leaves alone; with the fitted clearance load
+/// Without clearance a displaced bore gives the measured order 40, independent of the load; with the fitted clearance load
 /// halves it, so the measured start of the twist is hardly all clearance. An oval ring gives order 78 of the measured size, but
-/// without load as well, where the measured one is a tenth: places of ring pins are not its cause. Order 39 comes of neither.
+/// also without load, where the measured one is a tenth: positions of ring pins are not its cause. Neither error gives order
+/// 39.
 #[test]
 fn published_measured_orders_by_errors_of_parts() {
     let measured = measured();
@@ -214,7 +215,7 @@ fn published_measured_orders_by_errors_of_parts() {
     }
 }
 
-/// Range and kurtosis of the driver's torque from 0.3 s on, N m and 1.
+/// Returns range (N m) and kurtosis of the driver's torque from 0.3 s on.
 fn driver_torque(preset: &str) -> [f64; 2] {
     let gearbox = load(preset, &["solver.integrator=\"auto\""]);
     let run = native::run(&gearbox, &mut |_| false).unwrap();
@@ -230,8 +231,9 @@ fn driver_torque(preset: &str) -> [f64; 2] {
     [ends[1] - ends[0], moment(4) / moment(2).powi(2)]
 }
 
-/// Two ring pins without sleeves: the torque's envelope and the kurtosis grow, as Komorska et al. (Sensors 23 (2023) 1645) measured
-/// of torque and vibration on a gear of the paper's kind. Sizes are not comparable: their gear's dimensions are other ones.
+/// Two ring pins without sleeves raise the torque's envelope and the kurtosis, as Komorska et al. (Sensors 23 (2023) 1645)
+/// measured for torque and vibration of a gear of the paper's kind. Their gear has other dimensions, so sizes are not
+/// comparable.
 #[test]
 fn published_signs_of_removed_pins() {
     let [[range, kurtosis], [more_range, more_kurtosis]] =

@@ -1,4 +1,4 @@
-//! The native solver against itself: two formulations, halved steps, repeated runs.
+//! Self-consistency of the native solver: two formulations, halved steps, repeated runs.
 
 use pinwheel_gearbox::native::{NativeError, NativeRun, run, run_at_samples};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain, native};
@@ -28,14 +28,14 @@ fn forces(run: &NativeRun) -> Vec<&[f64]> {
     all
 }
 
-/// Pin forces and the torque on the output.
+/// Returns the pin forces and the torque on the output.
 fn with_load(run: &NativeRun) -> Vec<&[f64]> {
     let mut all = forces(run);
     all.extend(run.time_series.channel(OUTPUT_TORQUE));
     all
 }
 
-/// RMS(difference)/RMS(reference) over all channels and samples.
+/// Returns RMS(difference)/RMS(reference) over all channels and samples.
 fn relative_l2(found: &[&[f64]], reference: &[&[f64]]) -> f64 {
     let pairs = || {
         found
@@ -48,7 +48,7 @@ fn relative_l2(found: &[&[f64]], reference: &[&[f64]]) -> f64 {
     (difference / square).sqrt()
 }
 
-/// The gears of the paper and two unlike it: odd numbers, three discs, one disc, backlash.
+/// Returns the paper's gear and two unlike it: odd numbers, three discs, one disc, backlash.
 fn gears() -> Vec<Scene> {
     let paper = scene(0.05);
     let mut eleven = scene(0.05);
@@ -68,7 +68,7 @@ fn gears() -> Vec<Scene> {
     vec![paper, eleven, single]
 }
 
-/// Issue: the same time series to 1e-9 relative over 0.05 s at the same step. Measured 1e-13 to 3e-12.
+/// Both formulations agree to 1e-9 relative over 0.05 s at equal steps. Measured 1e-13 to 3e-12.
 #[test]
 fn both_formulations_give_the_same_time_series() {
     for friction in [0.0, 0.1] {
@@ -101,8 +101,8 @@ fn both_formulations_give_the_same_time_series() {
     }
 }
 
-/// Effect of stabilisation at the paper's step over 0.05 s: the reason for the default. Measured against the reduced
-/// form: none 4.3e-6, Baumgarte 3.5e-6, projection 1e-13 in the forces.
+/// Effect of stabilisation at the paper's step over 0.05 s, the reason for the default. Measured against the reduced form: none
+/// 4.3e-6, Baumgarte 3.5e-6, projection 1e-13 in the forces.
 #[test]
 fn projection_is_the_default_for_a_reason() {
     let reduced = solve(&scene(0.05));
@@ -174,8 +174,8 @@ fn sampling_does_not_change_the_run() {
     assert_eq!(end(&coarse), end(&dense));
 }
 
-/// Steel at the paper's step blows up; the numbers must not pass for time series. The energy account shows it first
-/// (3.4 ms), two samples before the discs leave their mesh.
+/// Steel diverges at the paper's step, and must not pass as a result. The energy account detects it first (3.4 ms), two samples
+/// before the discs leave their mesh.
 #[test]
 fn divergence_is_an_ending_that_keeps_what_there_was() {
     let mut scene = scene(0.1);
@@ -195,7 +195,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
     assert!(partial.whole().is_err());
 }
 
-/// A disc that jumped a tooth, and an output off its holes, are told by name; free play is none.
+/// A disc that jumped a tooth, and an output off its holes, are reported by name; free play is not.
 #[test]
 fn bodies_off_their_mesh_are_told() {
     let gearbox = Gearbox::new(&scene(0.1).clone().check().unwrap()).unwrap();
@@ -221,7 +221,7 @@ fn a_run_can_be_stopped() {
         &mut |t| t > 0.01,
     );
     assert!(matches!(outcome, Err(NativeError::Stopped)));
-    // Within a sample too, where samples are far apart.
+    // Within a sample, too, if samples are far apart.
     let mut long = scene(0.1);
     long.solver.sample_s = 0.1;
     let gearbox = Gearbox::new(&long.check().unwrap()).unwrap();
@@ -261,8 +261,8 @@ fn the_explanation_counts_what_the_paper_counts() {
     assert_eq!(explained(&scene).unwrap().degrees_of_freedom, 84);
 }
 
-/// Statements about a scene are true, and no false one is made. By scene: stated to be modelled and to be left out, and
-/// nowhere.
+/// Statements about a scene are complete and true. Each case lists words of modelled parts, of omitted parts, and words that
+/// must not appear.
 #[test]
 fn explanations_say_what_is_so() {
     let friction = "contact.friction_coefficient=0.1";
@@ -364,7 +364,7 @@ fn explanations_say_what_is_so() {
     }
 }
 
-/// A loaded gear that stands still, and one without load: what is left over is rounding.
+/// For a loaded gear at rest, and one without load, the remainder is rounding.
 #[test]
 fn rounding_at_rest_is_no_fault() {
     for load in [22.0, 0.0] {
@@ -381,8 +381,8 @@ fn rounding_at_rest_is_no_fault() {
     }
 }
 
-/// A run that looks at samples alone shows what the whole run shows there, over a jump of the load too; it has no account of the energy,
-/// which fixed steps keep.
+/// A run evaluated at samples alone equals the full run there, also over a jump of the load. It has no energy account, except
+/// with fixed steps.
 #[test]
 fn samples_alone_are_those_of_the_whole_run() {
     for (preset, method, adaptive) in [
@@ -414,7 +414,7 @@ fn samples_alone_are_those_of_the_whole_run() {
     }
 }
 
-/// A constant offset is the equidistant modification, which runs in lanes: equal forces, and a balance too.
+/// A constant offset equals the equidistant modification, which runs in lanes: equal forces and equilibria.
 #[test]
 fn a_constant_offset_is_an_equidistant_modification() {
     let time_series = |set: &str| {
@@ -445,9 +445,9 @@ fn a_constant_offset_is_an_equidistant_modification() {
     }
 }
 
-/// A ring as output against the carrier as output, seen from the ring. Where the output's inertia holds its speed the frame turns
-/// steadily, and speed and load times zs/zk give equal forces, here of parts that press each other; with the scene's own inertia the
-/// driver's mean torque is load/zk, and the account closes.
+/// A ring as output against the carrier as output, in the ring's frame. With a large output inertia the frame rotates
+/// uniformly, and speed and load times zs/zk give equal contact forces. With the scene's inertia the driver's mean torque is
+/// load/zk, and the account closes.
 #[test]
 fn crossval_a_ring_as_output_is_a_turned_frame() {
     let run = |sets: &[&str]| {
@@ -505,7 +505,7 @@ fn crossval_a_ring_as_output_is_a_turned_frame() {
     assert!((angle.last().unwrap() / (-52.34 * 0.3 / 16.0) - 1.0).abs() < 1e-2);
     let late = free.energy.audit(0.2, 0.3).unwrap();
     let ideal = -22.0 * 52.34 * 0.1 / 16.0;
-    // Measured 3.5e-3 and 1.3e-3: the start still swings.
+    // Measured 3.5e-3 and 1.3e-3: the start still oscillates.
     assert!(
         (late.load_j / ideal - 1.0).abs() < 5e-3 && (late.driver_j / -ideal - 1.0).abs() < 5e-3
     );

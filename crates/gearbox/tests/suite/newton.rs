@@ -1,10 +1,10 @@
-//! Derivatives by which Newton's method finds a balance.
+//! Derivatives in Newton's method for an equilibrium.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Scene;
 
-/// Differences of moments against the contacts' own derivatives, each over what turns the output.
+/// Differences of moments against the contacts' own derivatives, both per rotation of the output.
 #[test]
 fn stiffness_by_differences_is_that_of_the_slopes() {
     for (preset, share) in [
@@ -27,7 +27,7 @@ fn stiffness_by_differences_is_that_of_the_slopes() {
     }
 }
 
-/// The compliance equals the finite differences of K + s D with the discs eliminated, at small s.
+/// The compliance equals finite differences of K + s D with the discs eliminated, at small s.
 #[test]
 fn damping_is_the_slope_of_what_the_wheels_leave() {
     for preset in ["paper", "toleranced"] {

@@ -66,7 +66,7 @@ fn published_pressure_of_line_contacts() {
     assert!(external > 2 && internal > 2, "{external} {internal}");
 }
 
-/// On turned flanks the curvature is that of the flank whose edge the contact lies on.
+/// On rotated flanks the curvature is that of the flank with the contact.
 #[test]
 fn turned_flanks_have_their_own_curvature() {
     let sets = [Override::new("gear.modification.rotational_rad", "2e-3")];
@@ -96,11 +96,11 @@ fn turned_flanks_have_their_own_curvature() {
             } else {
                 [other, one]
             };
-            // In a pit both are the same.
+            // In a pit both are equal.
             if far.0 > 10.0 * near.0 {
                 seen += 1;
                 let found = curvature(geometry, pair, [wheel.x, wheel.y], wheel.angle);
-                // Two searches for the same foot: 1.2e-13 apart.
+                // Two searches for one foot: 1.2e-13 apart.
                 let of = near.1.abs() + geometry.curve.pitch_radius().recip();
                 assert!((found - near.1).abs() < 1e-12 * of, "{found} {}", near.1);
             }
@@ -109,7 +109,7 @@ fn turned_flanks_have_their_own_curvature() {
     assert!(seen > 4, "{seen}");
 }
 
-/// The closed form of the curvature at a contact gives that of the search for the foot, on discs that float too.
+/// The closed form of the curvature at a contact agrees with the search for the foot, on floating discs, too.
 #[test]
 fn the_curvature_at_a_contact_is_that_of_its_foot() {
     for preset in ["paper", "needle-bearings", "toleranced", "rv-40e-like"] {

@@ -1,4 +1,4 @@
-//! Energy: what the paper's law creates, and that the account closes for laws with a potential.
+//! Energy created by the paper's law, and closed accounts for laws with a potential.
 
 use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_gearbox::{Gearbox, native};
@@ -30,7 +30,7 @@ fn steady(law: &str) -> (EnergyAudit, f64) {
 fn the_paper_s_law_creates_energy() {
     let (audit, mean) = steady("paper");
     assert!((mean - 1.4529).abs() < 1e-4, "{mean}");
-    // Load over driver: 1.00949. What the damping loses comes on top of what leaves: 0.944 % of the load is created.
+    // Load over driver: 1.00949. The created energy includes the damping loss: 0.944 % of the load.
     let efficiency = -audit.load_j / audit.driver_j;
     assert!((efficiency - 1.0095).abs() < 2e-4, "{efficiency}");
     assert!(
@@ -60,7 +60,7 @@ fn laws_with_a_potential_close() {
     }
 }
 
-/// In the start-up transient, where the contacts work hardest, the remainder falls with the integrator's order.
+/// In the start-up transient, with the largest work of the contacts, the remainder falls with the integrator's order.
 #[test]
 fn the_remainder_has_the_integrator_s_order() {
     let remainder = |method: &str, step: f64| {
@@ -82,7 +82,7 @@ fn the_remainder_has_the_integrator_s_order() {
     assert!(remainder("rk4", 1e-5).abs() < 5e-7);
 }
 
-/// Rare samples must not spoil the account.
+/// Sparse samples do not affect the account.
 #[test]
 fn the_account_does_not_depend_on_sampling() {
     let share = |sample: f64| {
@@ -99,7 +99,7 @@ fn the_account_does_not_depend_on_sampling() {
     assert!((often.damping_j - rarely.damping_j).abs() < 1e-9);
 }
 
-/// With friction it takes its share: efficiency 0.9787 at mu = 0.1 (independent program), all of it accounted for.
+/// Friction with mu = 0.1 gives the efficiency 0.9787 (independent program), completely accounted for.
 #[test]
 fn friction_takes_its_share() {
     let mut scene = scene("constant");

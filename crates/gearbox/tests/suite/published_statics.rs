@@ -1,4 +1,4 @@
-//! Statics beside others: closed forms, an independent package, the quasi-static prototype.
+//! Statics compared with closed forms, an independent package and the quasi-static prototype.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::pressure::LinePressure;
@@ -58,7 +58,7 @@ pub(crate) fn range(values: &[f64]) -> (f64, f64) {
         })
 }
 
-/// The package `cycloidgen` computes the zero-clearance mesh independently; `crossval_cycloidgen` runs it live.
+/// The package `cycloidgen` computes the zero-clearance mesh independently; `crossval_cycloidgen` runs it.
 #[test]
 fn cycloidgen_agrees() {
     let data = table("cycloidgen");
@@ -79,14 +79,14 @@ fn cycloidgen_agrees() {
         let (mesh, output) = (LinearMesh::of(gear), LinearOutput::of(gear));
         let poses = 48_u32;
         let mut seen: [Vec<f64>; 5] = Default::default();
-        // A lever of 1e-17 m on the line of centres carries nothing.
+        // A lever of 1e-17 m on the line of centres carries no load.
         let loaded = |forces: &[f64]| forces.iter().filter(|&&f| f > 1e-9).count() as f64;
         let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
         for k in 0..poses {
             let part = TAU * f64::from(k) / f64::from(poses);
             let first = part / gear.external_sleeves as f64;
             let [along, across] = mesh.bearing(first, torque);
-            // Torque equivalence, exact: the part across the eccentric is T/(e zs).
+            // Exact torque equivalence: the component across the eccentric is T/(e zs).
             let lever = gear.eccentricity_m * (gear.external_sleeves as f64 - 1.0);
             close(across, torque / lever, 1e-13, "tangential bearing force");
             let external = mesh.forces(first, torque);
@@ -133,7 +133,7 @@ fn closed_forms_have_their_values() {
     close(
         free_play(&gear),
         number(closed, "free_play_rad_per_m"),
-        // All five digits given.
+        // All five printed digits.
         3e-5,
         "free play",
     );
@@ -143,7 +143,7 @@ fn closed_forms_have_their_values() {
         1e-6,
         "radius",
     );
-    // From pin to pitch point every force pushes: their sum by plain geometry, on a circle of radius 1.
+    // Every force pushes from pin to pitch point: their sum by plain geometry, on a circle of radius 1.
     let mesh = LinearMesh::of(&gear);
     let [mut along, mut across] = [0.0; 2];
     for (k, force) in mesh.forces(0.1, 11.0).into_iter().enumerate() {
@@ -161,7 +161,7 @@ fn closed_forms_have_their_values() {
         1e-12,
         "by the pitch point",
     );
-    // Eight pins: those ahead of the eccentric push, by the sines of their angles.
+    // Eight pins: those ahead of the eccentric push, in proportion to the sines of their angles.
     let output = LinearOutput::of(&gear);
     let lever = |k: usize| (0.1 + TAU * k as f64 / 8.0).sin().max(0.0);
     let squares: f64 = (0..8).map(|k| lever(k).powi(2)).sum();
@@ -178,7 +178,7 @@ fn closed_forms_have_their_values() {
     );
 }
 
-/// The ring stage with the paper's own law, exact geometry: what an independent prototype found.
+/// Ring stage with the paper's own law and exact geometry, against an independent prototype.
 #[test]
 fn quasi_static_peaks() {
     for case in table("statics")["case"].as_array().unwrap() {
@@ -221,8 +221,9 @@ fn quasi_static_peaks() {
     }
 }
 
-/// After 15/16 of a turn of the input every contact stands where its neighbour was and the stored energy is back, so with a potential the driver does what the
-/// load takes: 22/15 N m on average, exactly. The paper's law has none and misses it by its 0.95 %.
+/// After 15/16 of a turn of the input every contact is where its neighbour was and the stored energy is unchanged. With a
+/// potential the driver's work therefore equals the load's: 22/15 N m on average, exactly. The paper's law has no potential,
+/// and deviates by 0.95 %.
 #[test]
 fn equilibria_do_the_work_of_the_load() {
     // Measured: 1e-7 from 22/15 for the laws with a potential; dynamic runs give 1.4529 for the paper's.
@@ -240,13 +241,13 @@ fn equilibria_do_the_work_of_the_load() {
     });
 }
 
-/// Mean over the poses of a mesh under 22 N m, N m, from the contact forces alone.
+/// Returns the mean driver torque, N m, over the poses of a mesh under 22 N m, from the contact forces alone.
 fn mean_driver_torque(law: &str) -> f64 {
     let mut scene = Scene::paper();
     scene.contact.law = law.into();
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
-    // The internal stage repeats eight times in this, the two discs alike.
+    // The internal stage repeats eight times in this range, and both discs are equivalent.
     let poses = 960_u32;
     let mut sum = 0.0;
     for k in 0..poses {
@@ -255,7 +256,7 @@ fn mean_driver_torque(law: &str) -> f64 {
         let (mut output, mut driver, mut across) = (0.0, 0.0, 0.0);
         for pair in &statics.touching(&found) {
             let ([fx, fy], [x, y]) = (pair.force_on_sleeve(), pair.centre);
-            // The disc takes the reaction and hands it to the eccentric; the driver holds against it.
+            // The eccentric receives the disc's reaction, which the driver balances.
             let (s, c) = (phi + gearbox.geometry.wheel_phases[pair.wheel]).sin_cos();
             let tangential = fx * s - fy * c;
             driver -= 0.0028 * tangential;
@@ -265,16 +266,15 @@ fn mean_driver_torque(law: &str) -> f64 {
             }
         }
         assert!((output + 22.0).abs() < 1e-8, "{law}: {output}");
-        // At each pose T/(e zs) holds for rigid teeth; these give way unevenly, by up to 2 %.
+        // At each pose T/(e zs) holds for rigid teeth; elastic ones deviate by up to 2 %.
         close(across.abs(), 22.0 / (0.0028 * 15.0), 0.04, law);
         sum += driver;
     }
     sum / f64::from(poses)
 }
 
-/// Free rotation of a gear whose profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package:
-/// the least gap over lever, against the balances under next to no load in both directions. Measured: at most 1.5 %
-/// more.
+/// Free rotation of a gear whose profile is cut 50 um smaller, equidistantly or by a smaller pin circle, by the package (least
+/// gap over lever), against equilibria under almost no load in both directions. Measured: at most 1.5 % more.
 #[test]
 fn cycloidgen_measures_the_same_play() {
     let data = table("cycloidgen");
@@ -284,7 +284,7 @@ fn cycloidgen_measures_the_same_play() {
         let name = recorded["scene"].as_str().unwrap();
         for (k, wanted) in numbers(recorded, "play_arcmin").into_iter().enumerate() {
             let mut scene = Scene::load(name, &[]).unwrap().into_scene();
-            // The package looks at one disc; two share the play of the tighter one.
+            // The package treats one disc; two discs have the play of the tighter one.
             scene.gear.wheels = 1;
             let modification = &mut scene.gear.modification;
             [modification.equidistant_m, modification.radial_m] = [[5e-5, 0.0], [0.0, -5e-5]][k];
@@ -304,7 +304,7 @@ fn cycloidgen_measures_the_same_play() {
     }
 }
 
-/// Twist under load by the package's own kinematics and solver, with our line contact in it: lost motion, stiffness and
+/// Twist under load by the package's own kinematics and solver, with Pinwheel's line contact: lost motion, stiffness and
 /// transmission error with play and without.
 #[test]
 fn cycloidgen_twists_alike() {
@@ -338,7 +338,7 @@ fn cycloidgen_twists_alike() {
     }
 }
 
-/// Lost motion, stiffness and transmission error as `reference/published/cycloidgen.toml` has them.
+/// Returns lost motion, stiffness and transmission error as in `reference/published/cycloidgen.toml`.
 fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
     let (poses, gear) = (8_u32, &gearbox.scene.gear);
     let (mut lobes, mut pins) = (gear.external_sleeves - 1, gear.internal_sleeves);
@@ -366,8 +366,8 @@ fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
     ]
 }
 
-/// The printed reference of a calculator (K. Aggarwal, Cycloidal-Gearbox-Simulator, docs/SPEC.md, which gives itself 2 %): equal
-/// springs, 1 N m on one disc of aluminium against pins of steel.
+/// Printed reference of a calculator (K. Aggarwal, Cycloidal-Gearbox-Simulator, docs/SPEC.md, which states 2 %): equal springs,
+/// 1 N m on one disc of aluminium against pins of steel.
 #[test]
 fn published_calculator_shares_the_load_alike() {
     let mut scene = Scene::paper();

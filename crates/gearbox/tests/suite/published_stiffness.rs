@@ -1,4 +1,4 @@
-//! Stiffness, play and transmission error of drives that others print, and what makes the difference.
+//! Published stiffness, play and transmission error of drives, and the causes of differences.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,8 +12,8 @@ use crate::published_statics::{close, number, numbers, range, table};
 
 const ARCMIN: f64 = 10_800.0 / PI;
 
-/// Figures that the authors of the package print of drives of their own, in their table of changes, beside ours of the
-/// same dimensions.
+/// Figures that the package's authors print for their own drives, in their table of changes, beside Pinwheel's for equal
+/// dimensions.
 #[test]
 fn printed_drives_turn_alike() {
     let data = table("cycloidgen");
@@ -81,14 +81,14 @@ fn printed_drive(printed: &toml::Table) -> Gearbox {
     let moduli = numbers(printed, "moduli");
     (contact.young_pa, contact.poisson) = (1e9 * moduli[0], moduli[1]);
     (contact.pin_young_pa, contact.pin_poisson) = (Some(1e9 * moduli[2]), Some(moduli[3]));
-    // The package takes the disc for half a cylinder too, of at most the pin circle's radius: as deep a half plane.
+    // The package, too, takes the disc for a half cylinder, of at most the pin circle's radius: a half plane of that depth.
     let nu = moduli[1];
     let depth = 2.0 * of("pin_circle_m") * (0.5 * (nu / (1.0 - nu) - 1.0)).exp();
     contact.disc_depth_m = Some(depth);
     Gearbox::new(&scene.check().unwrap()).unwrap()
 }
 
-/// Least and largest free play over the mesh, arcmin; mean stiffness about the balances under `torque`, N m/arcmin; and
+/// Returns least and largest free play over the mesh, arcmin; mean stiffness at the equilibria under `torque`, N m/arcmin; and
 /// transmission error under it, arcmin.
 fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
     let mut statics = Statics::new(gearbox).unwrap();
@@ -106,7 +106,7 @@ fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
     (range(&plays), stiffness, high - low)
 }
 
-/// Mean stiffness about the balances under `torque` at so many poses of a span of the input's angle, N m/arcmin.
+/// Returns the mean stiffness at the equilibria under `torque` at `poses` poses of a span of the input's angle, N m/arcmin.
 fn stiffness_over(gearbox: &Gearbox, torque: f64, span: f64, poses: u32) -> f64 {
     let mut statics = Statics::new(gearbox).unwrap();
     let mut at = |pose: u32| {
@@ -118,17 +118,17 @@ fn stiffness_over(gearbox: &Gearbox, torque: f64, span: f64, poses: u32) -> f64 
     (0..poses).map(&mut at).sum::<f64>() / ARCMIN / f64::from(poses)
 }
 
-/// Force of a contact, by its number and depth, N and m.
+/// Force of a contact, N, as a function of its number and depth, m.
 type Force = Box<dyn Fn(usize, f64) -> f64>;
 
-/// One stage of a disc under a torque: levers of the contacts that can push, m, and the clearance that each has to close, m.
+/// Stage of a disc under a torque: levers of the contacts that can push, m, and the clearance of each contact, m.
 struct Stage {
     levers: Vec<f64>,
     gap: f64,
 }
 
 impl Stage {
-    /// Slope of the torque with the turn where it is `torque`, N m/rad. `force`: of a contact at a depth, N and m.
+    /// Returns the slope of the torque over the rotation at `torque`, N m/rad. `force`: of a contact at a depth, N and m.
     fn stiffness(&self, torque: f64, force: impl Fn(usize, f64) -> f64) -> f64 {
         let at = |turn: f64| -> f64 {
             let levers = self.levers.iter().enumerate();
@@ -149,7 +149,7 @@ impl Stage {
     }
 }
 
-/// A printed drive as its authors count it: one of the two discs with half the load, either stage by straight levers, the other
+/// Printed drive by its authors' method: one of the two discs with half the load, each stage by straight levers with the other
 /// stage rigid.
 struct Counted<'a> {
     gearbox: &'a Gearbox,
@@ -158,7 +158,8 @@ struct Counted<'a> {
 }
 
 impl Counted<'_> {
-    /// Both stages at an angle of the input, with the radii of what the pins touch, m, below 0 where it is hollow; and the pins'.
+    /// Returns both stages at an angle of the input, with the radii of the opposite surfaces, m, below 0 if concave, and of the
+    /// pins, m.
     fn stages(&self, phi: f64) -> [(Stage, Vec<f64>, f64); 2] {
         let gear = &self.gearbox.scene.gear;
         let (mesh, output) = (LinearMesh::of(gear), LinearOutput::of(gear));
@@ -198,8 +199,8 @@ impl Counted<'_> {
         ]
     }
 
-    /// Stiffness of the whole drive, N m/arcmin: both discs beside each other, means of the stages over poses on one
-    /// pitch of the lobes.
+    /// Returns the stiffness of the drive, N m/arcmin: both discs in parallel, means of the stages over poses on one pitch of
+    /// the lobes.
     fn stiffness(&self, poses: u32, force: impl Fn(&[f64], &[f64], f64) -> Force) -> f64 {
         let lobes = self.gearbox.scene.gear.external_sleeves - 1;
         let mut means = [0.0; 2];
@@ -214,8 +215,8 @@ impl Counted<'_> {
     }
 }
 
-/// The law that the package states: K. L. Johnson, Contact Mechanics, 1985, 4.45, either body a half cylinder of its own radius,
-/// and of the pin circle's at most; a power 0.9 of the force through the share that a rigid disc without play would have.
+/// Law that the package states: K. L. Johnson, Contact Mechanics, 1985, 4.45, each body a half cylinder of its own radius, at
+/// most that of the pin circle; a power 0.9 of the force fitted at the share of a rigid disc without play.
 fn stated_law(printed: &toml::Table, torque: f64) -> impl Fn(&[f64], &[f64], f64) -> Force {
     let moduli = numbers(printed, "moduli");
     let (length, most) = (
@@ -240,7 +241,7 @@ fn stated_law(printed: &toml::Table, torque: f64) -> impl Fn(&[f64], &[f64], f64
     }
 }
 
-/// Our law of rollers at the same contacts.
+/// Pinwheel's law of rollers at the same contacts.
 fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Force {
     let parameters = scales::law_parameters(&gearbox.scene);
     let hertz = parameters.hertz("line-hertz");
@@ -257,7 +258,7 @@ fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Force {
     }
 }
 
-/// Printed stiffness by the law that its authors state, on our geometry, and what parts it from ours:
+/// Printed stiffness by the law that its authors state, on Pinwheel's geometry, and the differences from Pinwheel's results:
 ///
 /// | drive | printed | their law | our law | the solver | the solver, all poses |
 /// |---|---|---|---|---|---|
@@ -265,11 +266,11 @@ fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Force {
 /// | 29:1, PLA | 5.400 | 5.306 | 3.91 | 3.89 | 3.76 |
 /// | 29:1, steel | 239.3 | 231.4 | 187.3 | 187.7 | 166.9 |
 ///
-/// All but the last are means over eight poses on one pitch of the lobes, as theirs are; the last is over the mesh's whole period.
-/// So their law gives their figures to 0.4, 1.7 and 3.3 % (their clearances are to a polygon that is up to 0.4 um off, which the
-/// 12 um of the steel drive feel). Ours takes more of the disc for elastic: all of it, where theirs ends at the radius of hole or
-/// flank: 20 to 27 %. The rest is the poses: 3 to 11 %. Without clearance the solver and the closed form of the same law are the
-/// same but for the bend of the levers (measured 3.5e-3, 3.7e-3, 4e-4).
+/// All but the last column are means over eight poses on one pitch of the lobes, like the printed values; the last is over a
+/// full period of the mesh. Their law gives their figures to 0.4, 1.7 and 3.3 % (their clearances are to a polygon with errors
+/// up to 0.4 um, relevant for the 12 um of the steel drive). Pinwheel's law treats all of the disc as elastic, theirs only a
+/// depth of the hole's or flank's radius: 20 to 27 %. The poses cause 3 to 11 %. Without clearance the solver and the closed
+/// form of the same law agree except for the curvature of the levers (measured 3.5e-3, 3.7e-3, 4e-4).
 #[test]
 fn published_stiffness_by_the_law_that_its_authors_state() {
     let data = table("cycloidgen");
@@ -296,7 +297,7 @@ fn published_stiffness_by_the_law_that_its_authors_state() {
         let theirs = counted.stiffness(8, stated_law(printed, torque));
         close(theirs, wanted, tolerance, drive);
         let own = counted.stiffness(8, own_law(&gearbox));
-        // One disc under half of the load, with its play and without; the other one stands alike.
+        // One disc under half of the load, with and without its play; the other one is in the same position.
         let mut scene = Scene::clone(&gearbox.scene);
         scene.gear.wheels = 1;
         scene.drive.output_torque_n_m = torque;
@@ -313,7 +314,7 @@ fn published_stiffness_by_the_law_that_its_authors_state() {
             "{drive}: {wanted}, {theirs:.4}; ours {own:.4}, {loose:.4}; without play {closed:.4}, {solved:.4}"
         );
         close(solved, closed, 6e-3, drive);
-        // With it levers bend more: measured 2.1, 0.5 and 0.2 %.
+        // With play the levers change more: measured 2.1, 0.5 and 0.2 %.
         close(loose, own, 0.03, drive);
     }
     assert_eq!(compared, 3);

@@ -1,4 +1,4 @@
-//! Samples that a recorder takes, and gives back.
+//! Recording of samples, and removal of the last one.
 
 use pinwheel_gearbox::channels::{LawPairs, Seen};
 use pinwheel_gearbox::statics::Statics;
@@ -6,7 +6,7 @@ use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_mbs::{Observation, Wrench};
 use pinwheel_scene::{Layout, Scene};
 
-/// Forces of contacts and loads of pins are the same sample, and the last one can be taken out again.
+/// Contact forces and pin loads give one sample, and the last sample can be removed.
 #[test]
 fn contacts_and_loads_are_recorded_alike() {
     let gearbox = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();
@@ -56,7 +56,7 @@ fn contacts_and_loads_are_recorded_alike() {
     assert!((time_series.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
 }
 
-/// Channels beyond the contract are taken out, too, after its columns.
+/// Channels beyond the contract are removed with the sample, after its columns.
 #[test]
 fn channels_are_taken_out_with_their_sample() {
     let mut scene = Scene::load("paper", &[]).unwrap().into_scene();

@@ -1,4 +1,4 @@
-//! Refinement of a method until its run is as accurate as asked.
+//! Refinement of a method until its run reaches the required accuracy.
 
 use std::rc::Rc;
 
@@ -32,7 +32,7 @@ fn near(found: f64, wanted: f64) -> bool {
     (found / wanted - 1.0).abs() < 1e-12
 }
 
-/// Both the error and the distance keep to the target; the distance may be four times that after a calm one.
+/// Error and distance must be within the target; the distance may be four times that after a calm one.
 #[test]
 fn a_target_is_reached_by_error_and_distance() {
     let (small, large) = (of(1e-4, 1e-4), of(1e-4, 2e-3));
@@ -45,23 +45,23 @@ fn a_target_is_reached_by_error_and_distance() {
     assert!(!holds(1e-3, of(f64::NAN, 0.0), small, None));
 }
 
-/// Each of the two series by its own distances.
+/// Each of the two series has an estimate from its own distances.
 #[test]
 fn errors_are_estimated_from_distances() {
     // 10^0.5 - 1 = 2.16.
     let first = refinement(1.0).error(of(1e-3, 2e-3), 10.0, None);
     let share = 1.25 / (10_f64.sqrt() - 1.0);
     assert!(near(first.forces, share * 1e-3) && near(first.driver_torque, share * 2e-3));
-    // Distances that hardly fall show no order: three times their sum; those that rise too.
+    // Distances that hardly fall, or rise, show no order: three times their sum.
     let before = Some((of(3e-3, 1.0), 10.0));
     let seen = refinement(1.0).error(of(2e-3, 4.0), 10.0, before);
     assert!(near(seen.forces, 3.0 * 5e-3), "{seen:?}");
     assert!(near(seen.driver_torque, 3.0 * 5.0), "{seen:?}");
-    // Runs that are equal by accident hide no distance before: 1 over 100^(2/3) - 10^(2/3), three times.
+    // Runs that are equal by accident do not hide the previous distance: 1 over 100^(2/3) - 10^(2/3), times three.
     let equal = refinement(1.0).error(of(0.0, 0.0), 10.0, before);
     let loose = 3.0 / (100_f64.powf(2.0 / 3.0) - 10_f64.powf(2.0 / 3.0));
     assert!(near(equal.driver_torque, loose), "{equal:?}");
-    // Two runs of the torque that are near by accident know it no better than the forces.
+    // Torques that agree by accident are no more accurate than the forces.
     let close = refinement(1.0).error(of(1e-3, 1e-7), 10.0, None);
     assert_eq!(close.driver_torque, close.forces);
     // Never below a third of the distance.
@@ -78,7 +78,7 @@ fn refinements_aim_below_the_target() {
     assert_eq!(next(f64::NAN), 100.0);
 }
 
-/// Friction slows what a tolerance gains for explicit methods alone.
+/// Friction lowers the gain from a tolerance for explicit methods only.
 #[test]
 fn refinements_know_friction() {
     let mut scene = Scene::paper();
@@ -112,7 +112,7 @@ fn search(gearbox: &Gearbox, target: f64, left: u64) -> Search<'_> {
     }
 }
 
-/// Refines `name`: whether that was the end, the reason, and the search.
+/// Refines `name`; returns whether the search ended, and the search with its reason.
 fn refine<'a>(gearbox: &'a Gearbox, target: f64, left: u64, name: &str) -> (bool, Search<'a>) {
     let plans = auto::chain(&gearbox.scene, target);
     let plan = plans.iter().find(|plan| plan.integrator == name).unwrap();
@@ -121,7 +121,7 @@ fn refine<'a>(gearbox: &'a Gearbox, target: f64, left: u64, name: &str) -> (bool
     (end, search)
 }
 
-/// More load than the teeth carry: three refinements diverge, then it is the next method's turn.
+/// More load than the teeth carry: three refinements diverge, then the next method is tried.
 #[test]
 fn a_method_that_fails_gives_way() {
     let overload = gearbox(|scene| {
@@ -135,7 +135,7 @@ fn a_method_that_fails_gives_way() {
     let settings: Vec<&str> = found.levels.iter().map(|r| r.setting.as_str()).collect();
     assert_eq!(settings.len(), 3, "{settings:?}");
     assert!(settings[0] != settings[1] && settings[1] != settings[2]);
-    // A budget that ends within the first run ends all.
+    // A budget exhausted within the first run ends the search.
     let long = gearbox(|scene| scene.solver.duration_s = 0.05);
     let (end, found) = refine(&long, 1e-3, 10, "rk4");
     assert!(end && found.left == 0);
@@ -143,7 +143,7 @@ fn a_method_that_fails_gives_way() {
     assert!(stopped.contains("took all evaluations"), "{stopped}");
 }
 
-/// A second run that would not fit the budget is not begun; the first one had half of the samples.
+/// A second run beyond the budget is not started; the first one had half of the samples.
 #[test]
 fn what_does_not_fit_the_budget_is_not_begun() {
     let light = gearbox(|_| {});
@@ -162,7 +162,7 @@ fn what_does_not_fit_the_budget_is_not_begun() {
     assert_eq!(best.run.time_series.len(), samples);
 }
 
-/// Refinement ends where tolerances do, and says that it was not the method.
+/// Refinement ends at the tightest tolerance, and the reason does not blame the method.
 #[test]
 fn the_finest_tolerance_ends_a_refinement() {
     let light = gearbox(|scene| (scene.solver.duration_s, scene.solver.sample_s) = (1e-4, 1e-5));
@@ -172,7 +172,7 @@ fn the_finest_tolerance_ends_a_refinement() {
     assert!(!found.best.unwrap().holds);
 }
 
-/// The run that is known best is kept, not the last one.
+/// The run with the smallest error is kept, not the last one.
 #[test]
 fn the_best_run_is_kept() {
     let light = gearbox(|scene| scene.solver.duration_s = 1e-4);

@@ -1,4 +1,4 @@
-//! Runs that verify themselves: what used to end well and was wrong does not any more.
+//! Self-verifying runs on scenes that once gave wrong results without a warning.
 
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
     .unwrap()
 }
 
-/// The true error of what `auto` gives, against another method at a tolerance that it does not take.
+/// Returns the true error of `auto`, against another method at another tolerance.
 fn error(scene: &Scene, integrator: &str, tolerance: f64) -> (f64, Uncertainty) {
     let (run, uncertainty) = resolved(scene);
     let truth = named(scene, integrator, tolerance);
@@ -42,7 +42,7 @@ fn error(scene: &Scene, integrator: &str, tolerance: f64) -> (f64, Uncertainty) 
     (off.worst(), uncertainty)
 }
 
-/// Light friction on stiff contacts: a step that follows the spins alone leaves the forces 78 % off.
+/// Light friction on stiff contacts: a step chosen for the spins alone leaves an error of 78 % in the forces.
 #[test]
 fn regress_friction_does_not_hide_stiff_contacts() {
     let sets = [
@@ -55,7 +55,7 @@ fn regress_friction_does_not_hide_stiff_contacts() {
     assert!(error <= TARGET, "{error:e}: {}", uncertainty.sentence());
 }
 
-/// The step that followed the spins alone diverged here.
+/// A step chosen for the spins alone diverged here.
 #[test]
 fn regress_steel_with_line_contact_and_friction_is_resolved() {
     let sets = [
@@ -68,7 +68,7 @@ fn regress_steel_with_line_contact_and_friction_is_resolved() {
     assert!(error <= TARGET, "{error:e}: {}", uncertainty.sentence());
 }
 
-/// Lengths, masses and times of a scene in other units: forces scale by m l/t^2.
+/// Returns a scene with lengths, masses and times in other units: forces scale by m l/t^2.
 fn similar(scene: &Scene, length: f64, mass: f64, time: f64) -> Scene {
     let mut scaled = scene.clone();
     let (force, speed) = (mass * length / (time * time), length / time);
@@ -113,8 +113,8 @@ fn similar(scene: &Scene, length: f64, mass: f64, time: f64) -> Scene {
     scaled
 }
 
-/// A gear of a few millimetres that carries a fraction of a millinewton metre is as good as its likeness of
-/// ordinary size: nothing is measured by a newton or a second. Powers of two, so that only roundings of powers differ.
+/// A gear of a few millimetres under a fraction of a millinewton metre is as accurate as a similar gear of ordinary size: no
+/// limit is in newtons or seconds. Factors are powers of two, so that only roundings of powers differ.
 #[test]
 fn regress_results_do_not_depend_on_the_size() {
     for (preset, sets) in [
@@ -163,7 +163,7 @@ fn regress_results_do_not_depend_on_the_size() {
     }
 }
 
-/// The 5 mm gear whose forces of millinewtons fell below a floor of 1 N: Heun at a step twice too long is told.
+/// A 5 mm gear whose millinewton forces were once below a floor of 1 N: Heun at a step twice too long is detected.
 #[test]
 fn regress_small_forces_are_judged_too() {
     let ordinary = scene("paper", &["solver.duration_s=0.01"]);
@@ -186,7 +186,7 @@ fn regress_small_forces_are_judged_too() {
     assert!(off > 0.05, "{off}");
 }
 
-/// Verification of an easy scene costs less than another run, and the paper's own run needs no refinement.
+/// Verification of an easy scene costs less than another run, and the paper's run needs no refinement.
 #[test]
 fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
     for name in ["paper", "paper-2019", "forty-pins", "eleven-pins"] {
@@ -197,18 +197,18 @@ fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
     }
 }
 
-/// Too small a budget is told, with what was reached.
+/// An insufficient budget is reported with the accuracy reached.
 #[test]
 fn bad_input_a_budget_too_small_is_told() {
     let scene = scene("paper", &["solver.duration_s=0.02"]);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    // Enough for the first run of 1e-7 and not for the second.
+    // Sufficient for the first run of 1e-7 and not for the second.
     let budget = named(&scene, "etd-adams", 5e-10).counts.evaluations * 6 / 5;
     let found = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
     let Ok((run, uncertainty)) = found else {
         panic!("one run fits the budget");
     };
-    // The coarsest run had only half of them.
+    // The coarsest run had only half of the samples.
     assert_eq!(run.time_series.time_s(), scene.solver.sample_times_s());
     let Verdict::NotResolved { reason, .. } = &uncertainty.verdict else {
         panic!("{}", uncertainty.sentence());
@@ -217,7 +217,7 @@ fn bad_input_a_budget_too_small_is_told() {
     assert!(uncertainty.sentence().contains("Not resolved"));
 }
 
-/// Feather-light pins, on which explicit methods never end: the chain begins with the one that does.
+/// Nearly massless pins, on which explicit methods never finish: the chain begins with a method that does.
 #[test]
 fn hard_auto_ends_where_one_method_does() {
     for name in [
@@ -268,7 +268,7 @@ fn stopping_is_heard() {
     );
 }
 
-/// Damping that sets in over a ramp jumps, in contacts and in bearings with clearance; that of hysteresis grows with the penetration.
+/// Damping with a ramp jumps, in contacts and in bearings with clearance; that of hysteresis laws grows with the penetration.
 #[test]
 fn what_is_not_smooth_is_known() {
     let of = |sets: &[&str]| roughness(&scene("paper", sets));

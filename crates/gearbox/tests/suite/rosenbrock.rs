@@ -1,12 +1,12 @@
-//! RODAS5P on gears with friction: against a method that shares nothing but the forces, and against itself by differences.
+//! RODAS5P on gears with friction: against a method that shares only the forces, and against itself with differences.
 
 use super::common;
 
 use common::{distance, run};
 use pinwheel_gearbox::contacts::Kernel;
 
-/// Measured at a tolerance of 1e-6: 1.7e-5, 4.6e-6 and 8e-7 from imex2-adaptive at 1e-5, in 0.43, 0.13 and 0.02 of its
-/// evaluations. Windows hold the start-up, where contacts switch most.
+/// Measured at a tolerance of 1e-6: 1.7e-5, 4.6e-6 and 8e-7 from imex2-adaptive at 1e-5, with 0.43, 0.13 and 0.02 of its
+/// evaluations. Windows include the start-up, where contacts switch most.
 #[test]
 fn hard_friction_is_resolved_in_fewer_evaluations() {
     for (preset, duration, limit, fewer) in [
@@ -37,7 +37,7 @@ fn hard_friction_is_resolved_in_fewer_evaluations() {
     }
 }
 
-/// The scalar loop has no derivatives, so differences stand in for them; so do they in the Lagrange form.
+/// Differences replace the derivatives that the scalar loop lacks, and those of the Lagrange form.
 #[test]
 fn differences_give_the_same_run() {
     let sets = [
@@ -62,7 +62,7 @@ fn differences_give_the_same_run() {
     }
 }
 
-/// A rising load is part of df/dt. Measured at 1e-8: 7.5e-8 in 189 steps; without the load's slope 4 195 steps.
+/// A rising load contributes to df/dt. Measured at 1e-8: 7.5e-8 in 189 steps; without the load's slope 4 195 steps.
 #[test]
 fn hard_a_rising_load_costs_no_order() {
     let window = [
@@ -83,7 +83,7 @@ fn hard_a_rising_load_costs_no_order() {
     assert!(steps < 400, "rodas5p: {steps} steps, bound 400");
 }
 
-/// All processors take the same steps; what differs is rounding, measured 1.6e-13.
+/// All processors take equal steps; results differ by rounding, measured 1.6e-13.
 #[test]
 fn regress_the_steps_do_not_depend_on_the_processor() {
     let sets = [

@@ -1,4 +1,4 @@
-//! The pace at which a run is refused.
+//! Pace at which a run is refused.
 
 use pinwheel_gearbox::internals::{Pace, SPAN};
 use pinwheel_scene::Scene;
@@ -10,14 +10,14 @@ fn only_a_pace_without_end_is_refused() {
     let mut pace = Pace::new(&scene, false);
     assert_eq!(pace.look(1e-12, SPAN - 1), Ok(()), "too early to tell");
     assert_eq!(pace.look(0.01, SPAN), Ok(()));
-    // A short passage of tiny steps at a switch is over before anybody looks.
+    // A short interval of tiny steps at a switch is over before a check.
     assert_eq!(pace.look(0.02, 2 * SPAN), Ok(()));
     let told = pace.look(0.02 + 1e-6, 3 * SPAN).unwrap_err();
     assert!(
         told.contains("5.0e-11 s") && told.contains("make solver.duration_s 0.021 or less"),
         "{told}"
     );
-    // An implicit method is the remedy for friction, but for one that is implicit.
+    // The remedy for friction is an implicit method, unless the method is implicit.
     for (integrator, remedy) in [("dopri5", "\"imex2\""), ("imex2-adaptive", "duration_s")] {
         scene.solver.integrator = integrator.to_owned();
         let told = Pace::new(&scene, true).look(1e-9, SPAN).unwrap_err();

@@ -1,4 +1,4 @@
-//! Implicit friction of contacts that were listed in lanes against that of contacts found one by one.
+//! Implicit friction of contacts listed in lanes against that of contacts listed one by one.
 
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_gearbox::{Gearbox, native};
@@ -15,8 +15,8 @@ fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
     channels.map(|channel| channel.values.clone()).collect()
 }
 
-/// Two hundred stages with many contacts that begin and cease to slide. Measured: at most 7e-12 of the largest value
-/// (rounding of positions and velocities, which the ramps of friction and damping turn into force).
+/// Two hundred stages with many contacts that begin and cease to slide. Measured: at most 7e-12 of the largest value (rounding
+/// of positions and velocities, which the ramps of friction and damping convert to force).
 #[test]
 fn lanes_equal_contact_by_contact() {
     let none: &[(&str, &str)] = &[];
@@ -26,7 +26,7 @@ fn lanes_equal_contact_by_contact() {
         ("paper-friction", "0.001", "4", none),
         ("forty-pins", "0.001", "2", none),
         ("backlash-0.6", "0.002", "2", none),
-        // Whole registers of pins part and touch again.
+        // Complete registers of pins separate and touch again.
         (
             "forty-pins",
             "0.006",

@@ -1,4 +1,4 @@
-//! Words for a run's numerical error.
+//! Wording of a run's numerical error.
 
 use pinwheel_gearbox::Distance;
 use pinwheel_gearbox::internals::remedy;
@@ -34,7 +34,7 @@ fn what_is_known_is_told() {
     assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a disc"));
 }
 
-/// Figures that nearly hold want a little more; time series that mean nothing want another scene.
+/// Nearly sufficient accuracy needs a slightly finer setting; meaningless time series need another scene.
 #[test]
 fn remedies_suit_what_was_reached() {
     let of = |forces: f64| {

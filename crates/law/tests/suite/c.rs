@@ -1,4 +1,4 @@
-//! The library as foreign programs meet it: loaded at run time, and linked by a program in C.
+//! Library as used by foreign programs: loaded at run time, and linked by a program in C.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use pinwheel_law::Law;
 
-/// `libpinwheel_law` of this build, beside the tests.
+/// Returns the path of `libpinwheel_law` of this build, beside the tests.
 fn library() -> PathBuf {
     let name = format!(
         "{}pinwheel_law{}",
@@ -104,7 +104,7 @@ fn crossval_a_program_in_c_gives_the_forces_of_the_crate() {
     }
 }
 
-/// Every function of the header is in the library, and nothing else of ours.
+/// The library exports exactly the functions of the header.
 #[test]
 fn the_header_names_what_the_library_has() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));

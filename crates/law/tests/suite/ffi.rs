@@ -1,4 +1,4 @@
-//! The functions of the header, called as C would.
+//! Functions of the header, called as from C.
 #![allow(unsafe_code, reason = "this is what a caller in C does")]
 
 use std::ffi::{CStr, CString};
@@ -31,19 +31,19 @@ fn open(scene: &str) -> Result<*mut PinwheelLaw, (i32, String)> {
 
 fn start(law: *mut PinwheelLaw) -> Vec<f64> {
     let mut states = vec![f64::NAN; 6 * pinwheel_law_bodies(law) as usize];
-    // SAFETY: six numbers a body.
+    // SAFETY: six numbers for each body.
     assert_eq!(unsafe { pinwheel_law_start(law, states.as_mut_ptr()) }, 0);
     states
 }
 
 fn loads(law: *mut PinwheelLaw, states: &[f64]) -> (i32, Vec<f64>) {
     let mut loads = vec![7.0; states.len() / 2];
-    // SAFETY: six and three numbers a body.
+    // SAFETY: six and three numbers for each body.
     let status = unsafe { pinwheel_law_loads(law, states.as_ptr(), loads.as_mut_ptr()) };
     (status, loads)
 }
 
-/// The presets without any friction, with it, with points, with another law, with more bodies and with discs that float.
+/// Presets without and with friction, with points, another law, more bodies and floating discs.
 #[test]
 fn crossval_forces_are_the_native_ones_to_the_bit() {
     for (scene, sets) in [
@@ -76,7 +76,7 @@ fn crossval_forces_are_the_native_ones_to_the_bit() {
         };
         let bodies: Vec<BodyState> = (0..states.len() / 6).map(|k| body(k, &states)).collect();
         assert_eq!(bodies, gearbox.initial_states(), "{scene}");
-        // Pressed together, sliding and turning.
+        // Pressed together, sliding and rotating.
         for (k, x) in states.iter_mut().enumerate() {
             *x += [3e-6, -2e-6, 1e-3, 0.01, 0.02, -0.7][k % 6] * (1.0 + 0.1 * (k as f64).sin());
         }
@@ -115,7 +115,7 @@ fn a_scene_as_its_caller_sees_it() {
         assert_eq!(pinwheel_law_samples(law, times.as_mut_ptr(), 3), 6001);
         assert_eq!(times, [0.0, 1e-4, 2e-4, 9.0]);
     }
-    // Every centre sits where its carrier has its seat, and moves with it.
+    // Every centre is at its carrier's seat, and moves with it.
     let states = start(law);
     for k in 0..28 {
         let (mut carrier, mut seat, mut mass, mut moment) = (7, [0.0; 2], 0.0, 0.0);
@@ -151,7 +151,7 @@ fn a_scene_as_its_caller_sees_it() {
         ] {
             assert!((is - should).abs() < 1e-15, "body {k}: {is} {should}");
         }
-        // SAFETY: nothing is wanted.
+        // SAFETY: all outputs are null.
         let nothing = [ptr::null_mut(); 3];
         assert_eq!(
             unsafe {
@@ -190,7 +190,7 @@ fn scenes_come_as_folder_file_text_or_json() {
         pinwheel_law_close(law);
     }
     assert!(starts.iter().all(|start| *start == starts[0]));
-    // Whoever gave the folder can read how often forces were asked for.
+    // The job folder records the number of force evaluations.
     let calls = std::fs::read_to_string(folder.path().join("law_calls.txt"));
     assert_eq!(calls.expect("written on closing"), "1\n");
 
@@ -307,7 +307,7 @@ fn hard_a_panic_stays_inside_and_the_handle_lives() {
     pinwheel_law_close(law);
 }
 
-/// Each thread its own handle, and all of them one.
+/// One handle for each thread, then one for all.
 #[test]
 fn hard_threads_get_the_same_bits_and_their_own_errors() {
     let shared = open("paper").expect("preset").addr();

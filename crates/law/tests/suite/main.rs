@@ -1,4 +1,4 @@
-//! Tests of the law as a library, and as foreign programs meet it.
+//! Tests of the law as a library, and from foreign programs.
 
 mod c;
 mod ffi;

@@ -1,4 +1,4 @@
-//! The test vectors that are handed to authors of solvers are what the law gives.
+//! Test vectors for authors of solvers equal the results of the law.
 
 #[path = "../../examples/vectors.rs"]
 #[allow(unreachable_pub, reason = "an example's main file")]
@@ -7,7 +7,7 @@ mod example;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Rows by their names, and their numbers.
+/// Reads rows by their names, with their numbers.
 fn read(text: &str, names: usize) -> BTreeMap<String, Vec<f64>> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let rows = reader.records().map(|row| row.expect("a row"));
@@ -42,7 +42,7 @@ fn regress_vectors_are_what_the_law_gives() {
         );
         for (row, values) in &now {
             for (k, (now, was)) in values.iter().zip(&was[row]).enumerate() {
-                // Positions to 1e-15 m; forces have a slope of 1e6 N/m and more, so 1e-9 N. Other instruction sets give
+                // Positions to 1e-15 m; forces have a slope of 1e6 N/m and more, so 1e-9 N. Other instruction sets differ by
                 // 3e-12 relative at most.
                 let near =
                     (now - was).abs() <= 1e-9 * was.abs() + 1e-9 * f64::from(u8::from(k > 1));
@@ -60,7 +60,7 @@ fn regress_vectors_are_what_the_law_gives() {
     }
 }
 
-/// From the contacts alone, by hand, come the loads on the bodies: signs, points of attack and order as documented.
+/// Loads on the bodies follow from the contacts by hand: signs, points of attack and order as documented.
 #[test]
 fn forces_on_bodies_are_those_of_their_contacts() {
     let files = example::files().expect("forces");
@@ -77,7 +77,7 @@ fn forces_on_bodies_are_those_of_their_contacts() {
         let [x, y, nx, ny] = [c[0], c[1], c[2], c[3]];
         let (normal, friction, along) = (c[8], c[9], c[10]);
         let centre = &bodies[&format!("{case},{sleeve}")];
-        // t = (-ny, nx); the part along the profile acts at the pin's centre, the rest at the point.
+        // t = (-ny, nx); the part along the profile acts at the pin's centre, the other force at the point.
         let mut add = |body: String, at: [f64; 2], fx: f64, fy: f64| {
             let own = &bodies[&body];
             let sum = sums.get_mut(&body).expect("a body");
@@ -100,7 +100,7 @@ fn forces_on_bodies_are_those_of_their_contacts() {
     for (body, sum) in &sums {
         let given = &bodies[body][6..];
         for (sum, given) in sum.iter().zip(given) {
-            // Rounding, of sums of some hundred newtons with levers of a tenth of a metre.
+            // Rounding of sums of some hundred newtons with levers of a tenth of a metre.
             assert!((sum - given).abs() < 1e-9, "{body}: {sum} {given}");
         }
     }

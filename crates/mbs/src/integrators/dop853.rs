@@ -1,13 +1,13 @@
-//! Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7 and a
-//! step from a tolerance: for long smooth stretches and high accuracy.
+//! Dormand and Prince's method of order 8 with error estimates of orders 5 and 3, dense output of order 7 and a step from a
+//! tolerance: for smooth intervals and high accuracy.
 //!
 //! ```text
 //! k_i = f(t + c_i h, y + h sum_{j<i} a_ij k_j)      i = 1..12;  y+ by row 13, whose k is the next step's first
 //! err = h |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2),      |e| the RMS over the components of sum e_i k_i/(tolerance scale)
 //! h+  = h clamp(0.9 err^(-1/8), 1/3, 6)
 //! ```
-//! [Hairer, Norsett, Wanner 1993, II.5 and II.10]. The continuous extension takes three more evaluations, and is only computed
-//! for steps with samples inside. Results of a rejected step are discarded; the step after a rejection does not grow.
+//! [Hairer, Norsett, Wanner 1993, II.5 and II.10]. The continuous extension takes three more evaluations, only for steps with
+//! samples inside. Results of a rejected step are discarded; the step after a rejection does not grow.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,6 @@
 //! Coefficients of Dormand and Prince's method of order 8 and its continuous extension of order 7.
 //!
-//! Source: [Hairer, Norsett, Wanner 1993, II.5 and II.10], at double precision; rows hold only what is not zero,
-//! as (stage, weight).
+//! Source: [Hairer, Norsett, Wanner 1993, II.5 and II.10], in double precision; rows list nonzero entries as (stage, weight).
 
 use super::weighted::Row;
 

@@ -54,7 +54,7 @@ const A: [Row; STAGES] = [
     ],
 ];
 const C: [f64; STAGES] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
-/// b - b of the embedded method.
+/// Difference of b and the weights of the embedded method.
 const E: Row = &[
     (0, 71.0 / 57600.0),
     (2, -71.0 / 16695.0),
@@ -89,7 +89,7 @@ pub struct Dopri5 {
     y: Vec<f64>,
     next: Vec<f64>,
     k: Vec<Vec<f64>>,
-    /// True if `k[0]` holds f at the current state.
+    /// True if `k[0]` is f at the current state.
     fresh: bool,
     scale: Vec<f64>,
     dense: Dense,
@@ -148,7 +148,7 @@ impl Dopri5 {
         }
     }
 
-    /// Starts anew at (t, y) with a first step `h` (s); counts go on.
+    /// Restarts at (t, y) with a first step `h` (s); counts continue.
     pub(super) fn restart(&mut self, h: f64, t: f64, y: &[f64]) {
         self.clock = Clock {
             counts: self.clock.counts,

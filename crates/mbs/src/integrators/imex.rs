@@ -1,5 +1,5 @@
-//! IMEX Runge-Kutta ARS(2,2,2), order 2 [Ascher, Ruuth, Spiteri 1997, sec. 2.6]: treats the stiff part of f = e + i implicitly
-//! and the other explicitly, both at the same two stages.
+//! IMEX Runge-Kutta ARS(2,2,2), order 2 [Ascher, Ruuth, Spiteri 1997, sec. 2.6]: treats the stiff part i of f = e + i
+//! implicitly and e explicitly, both at the same two stages.
 //!
 //! ```text
 //! g = 1 - 1/sqrt 2,  d = 1 - 1/(2 g)
@@ -7,12 +7,12 @@
 //! Y2 = y + h (d e(y) + (1-d) e(Y1))       + h ((1-g) i(Y1) + g i(Y2))       at t + h
 //! y+ = Y2
 //! ```
-//! The implicit part is L-stable and stiffly accurate: components that relax within a step are at their rest at its end. Y2 is
-//! the next step's y, so that a step costs two evaluations, like Heun's. A system without an implicit part gets a second-order
-//! explicit method.
+//! The implicit part is L-stable and stiffly accurate: components that relax within a step are relaxed at its end. Y2 is the
+//! next step's y, so that a step costs two evaluations, like Heun's. For a system without an implicit part the method is
+//! explicit, of second order.
 //!
-//! The state inside a step is a shorter step from the same start: friction in the samples is then as settled as at the ends of
-//! steps, which no interpolating polynomial ensures.
+//! The state inside a step is a shorter step from the same start, so that friction in samples is as relaxed as at the ends of
+//! steps; no interpolating polynomial ensures this.
 
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +57,7 @@ impl Point {
     }
 }
 
-/// Makes one step of length `h` from `from` at `t` into `to`; `stage` is memory for Y1.
+/// Makes one step of length `h` from `from` at `t` into `to`; `stage` is scratch for Y1.
 pub(super) fn advance(
     system: &mut dyn OdeSystem,
     t: f64,
@@ -69,7 +69,7 @@ pub(super) fn advance(
     for (k, y) in stage.y.iter_mut().enumerate() {
         *y = from.y[k] + h * GAMMA * from.e[k];
     }
-    // Friction changes little between stages: the previous stage's friction is the first estimate of the next.
+    // Friction changes little between stages: that of the previous stage is the first estimate of the next.
     stage.i.copy_from_slice(&from.i);
     let a = h * GAMMA;
     system.split_stage(t + a, a, &mut stage.y, &mut stage.e, &mut stage.i);

@@ -1,16 +1,16 @@
-//! ARS(2,2,2) with steps that follow a tolerance.
+//! ARS(2,2,2) with steps from a tolerance.
 //!
-//! Both derivatives at the end of a step are known (its last stage is the next step's first). The trapezoidal rule, also of
-//! order 2, therefore costs nothing, and its distance is the error estimate:
+//! Both derivatives at the end of a step are known, because its last stage is the next step's first. The trapezoidal rule, also
+//! of order 2, therefore costs nothing; its difference from the step is the error estimate:
 //!
 //! ```text
 //! est = y + h/2 (f(y) + f(y+)) - y+,   err = max_k |est_k| / scale_k
 //! h+  = h clamp(0.9 (target/err)^(1/3), 0.2, 2)
 //! ```
-//! Where a contact begins to slide or stick f jumps, est falls with h only, and steps shorten: the
-//! switches are approached, not located.
-//! `target` is tolerance^(3/2): a method of order 2 then needs about tolerance^(-1/2) steps, and the error
-//! of the whole run, not that of one step, is proportional to the tolerance.
+//! Where a contact begins to slide or stick, f jumps, est falls in proportion to h only, and steps shorten: the switches are
+//! approached, not located.
+//! `target` is tolerance^(3/2): a method of order 2 then needs about tolerance^(-1/2) steps, and the error of the run, not of a
+//! step, is proportional to the tolerance.
 
 use serde::{Deserialize, Serialize};
 
@@ -84,7 +84,7 @@ impl ImexAdaptive {
             let derivatives = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
             let error = (from.y[k] - to.y[k] + 0.5 * h * derivatives).abs();
             let scaled = error / self.scale[k];
-            // f64::max would drop a NaN.
+            // f64::max would ignore a NaN.
             if !(scaled <= worst) {
                 worst = scaled;
             }
@@ -111,7 +111,7 @@ impl Method for ImexAdaptive {
             advance(system, t, h, &self.now, stage, next);
             self.clock.counts.evaluations += 2;
             let share = self.error(system, h) / self.target;
-            // A step that cannot be evaluated is much too long.
+            // A step that cannot be evaluated is far too long.
             let factor = if share.is_finite() {
                 (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
             } else {

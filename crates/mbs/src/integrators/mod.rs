@@ -5,7 +5,7 @@
 //! depend on what is recorded. Multistep methods, whose steps cost no more than a sample, end steps at samples instead
 //! ([`Stepper::set_stop_time`]).
 //!
-//! Any y' = f(t, y) can be integrated. Here y' = -y, to 1e-8 a step:
+//! Any y' = f(t, y) can be integrated, e.g. y' = -y with an error of 1e-8 per step:
 //!
 //! ```
 //! use pinwheel_mbs::OdeSystem;
@@ -118,7 +118,7 @@ pub enum StepError {
 
 /// Returns an error if a number is not finite, at `time`, s.
 fn check_finite(parts: &[&[f64]], time: f64) -> Result<(), StepError> {
-    // All numbers are checked: without an early exit the check takes several at a time.
+    // All numbers are checked, because without an early exit the check processes several at a time.
     let finite = |part: &&[f64]| part.iter().fold(true, |all, x| all & x.is_finite());
     if parts.iter().all(finite) {
         Ok(())
@@ -142,8 +142,8 @@ pub trait Stepper: Send {
     fn next_step(&self) -> f64;
     /// Bounds the next step by `longest`, s, where the method chooses its steps; no effect on others.
     fn shorten(&mut self, _longest: f64) {}
-    /// Announces the time (s) of the next requested state. Methods whose step takes a single evaluation end a step there: the
-    /// sample needs an evaluation anyway, and both share it. Other methods ignore it.
+    /// Announces the time (s) of the next requested state. Methods whose step takes a single evaluation end a step there, so that
+    /// step and sample share it. Other methods ignore it.
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
@@ -156,8 +156,8 @@ pub trait Stepper: Send {
     fn counts(&self) -> StepCounts;
     /// Returns all data that the next steps depend on, to the bit. The bytes are for the same program; their format may change.
     fn save(&self) -> Vec<u8>;
-    /// Restores [saved](Self::save) data of a run of the same method, settings and system. False: the bytes do not belong to
-    /// it, and nothing has changed.
+    /// Restores [saved](Self::save) data of a run of the same method, settings and system. Returns false, without a change, if
+    /// the bytes do not belong to it.
     fn restore(&mut self, bytes: &[u8]) -> bool;
 }
 
@@ -173,13 +173,13 @@ fn restored<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
 /// Way in which a method uses f.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// Evaluates f.
+    /// Evaluates f only.
     Explicit,
     /// Treats the stiff part of [`OdeSystem::split_stage`], friction, implicitly.
     SplitImplicit,
     /// Solves with the Jacobian of f.
     Rosenbrock,
-    /// Is exact for the linear part of f, by the Jacobian.
+    /// Integrates the linear part of f exactly, by the Jacobian.
     Exponential,
 }
 
@@ -196,8 +196,8 @@ pub struct MethodInfo {
     pub family: Family,
     /// True if the step follows from a tolerance.
     pub adaptive: bool,
-    /// Error that runs at different tolerances may share, so that their differences do not show it: relative to the finest
-    /// tolerance, of the relative error of a quantity. 0 for a fixed step.
+    /// Error that runs at different tolerances may share, so that their differences do not reveal it: relative error of a
+    /// quantity over the finest tolerance. 0 for a fixed step.
     pub shared_error: f64,
     /// Exponent with which steps grow with the tolerance.
     pub step_power: f64,
@@ -219,8 +219,8 @@ const FIXED: MethodInfo = MethodInfo {
 
 /// Common facts of methods whose steps follow from the tolerance of a step.
 ///
-/// Near rest the step is bounded by stability, whatever the tolerance, and all runs have equal errors: 5e-10 at 5e-7 where
-/// their differences showed 1.5e-10.
+/// Near rest stability bounds the step at any tolerance, and all runs have equal errors: 5e-10 at a tolerance of 5e-7, where
+/// their differences were 1.5e-10.
 const ADAPTIVE: MethodInfo = MethodInfo {
     adaptive: true,
     shared_error: UNSEEN,
@@ -228,22 +228,22 @@ const ADAPTIVE: MethodInfo = MethodInfo {
     ..FIXED
 };
 
-/// [`MethodInfo::shared_error`] of error control.
+/// [`MethodInfo::shared_error`] of methods with error control.
 pub const UNSEEN: f64 = 2e-3;
 
-/// Returns the method called `name`.
+/// Returns the method with the name `name`.
 #[must_use]
 pub fn method(name: &str) -> Option<&'static MethodInfo> {
     METHODS.iter().find(|method| method.name == name)
 }
 
-/// Table of all methods. A row is a module with its `INFO`, the facts for users, and the constructor of a run.
+/// Table of all methods. A row has a module with its `INFO`, the facts for users, and the constructor of a run.
 macro_rules! methods {
     (|$settings:ident, $t:ident, $y:ident| $($module:ident => $begin:expr,)*) => {
         /// All methods.
         pub const METHODS: &[MethodInfo] = &[$($module::INFO),*];
 
-        /// Starts the method `name` at (t, y). `None`: no such method.
+        /// Starts the method `name` at (t, y); `None` if there is no such method.
         #[must_use]
         pub fn start(
             name: &str,
@@ -270,12 +270,12 @@ methods! { |settings, t, y|
     rodas5p => Rodas5p::new(settings.step, settings.tolerance, t, y),
 }
 
-/// Returns a step cut to its first seven binary digits, by less than 1.6 %.
+/// Truncates a step to its first seven binary digits, by less than 1.6 %.
 ///
-/// An error estimate is a difference of nearly equal numbers: its rounding errors are not 1e-16 but 1e-8 of it. Steps computed
-/// from it to the last digit differ from one processor to the next. Each contact that opens or closes within a step amplifies
-/// the difference, and after some hundred steps two runs differ by a good part of their error. Shortened steps absorb these
-/// rounding errors, so that all processors take equal steps.
+/// An error estimate is a difference of nearly equal numbers, with a relative rounding error of 1e-8 instead of 1e-16. Steps
+/// computed from it to the last digit differ between processors. Each contact that opens or closes within a step amplifies the
+/// difference, and after some hundred steps two runs differ by a large part of their error. Truncation absorbs the rounding, so
+/// that all processors take equal steps.
 pub(crate) fn short_step(h: f64) -> f64 {
     f64::from_bits(h.to_bits() & !((1 << 46) - 1))
 }

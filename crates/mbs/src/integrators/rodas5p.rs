@@ -5,10 +5,10 @@
 //! y+ = (argument of the last stage) + u_8,      error = u_8,      J = df/dy at (t, y)
 //! ```
 //! [Steinebach 2023, BIT 63, 27], [Hairer & Wanner 1996, IV.7]. L-stable and stiffly accurate: components that relax within a
-//! step are at their rest at its end. No iteration; a step costs 8 evaluations, one Jacobian and the factors of one matrix. J
-//! is the system's own where it has one ([`OdeSystem::jacobian`]), else central differences; it must be exact, or the order is
-//! lost. A rejected step keeps f and J. Step control: `h+ = h clamp(0.9 err^(-1/5), 0.2, 5)`, err being the RMS over all
-//! components of error divided by tolerance times the system's scale; the step after a rejection does not grow.
+//! step are relaxed at its end. No iteration; a step costs 8 evaluations, one Jacobian and one matrix factorisation. J is the
+//! system's own ([`OdeSystem::jacobian`]), else by central differences; the order requires an exact J. A rejected step keeps f
+//! and J. Step control: `h+ = h clamp(0.9 err^(-1/5), 0.2, 5)`, err being the RMS over all components of error divided by
+//! tolerance times the system's scale; the step after a rejection does not grow.
 //!
 //! A narrow ramp of f (regularised friction) is treated implicitly only by steps that end on it. Tolerance times the scale of
 //! the rates must be smaller than the ramp, or the method jumps back and forth over it.
@@ -60,7 +60,7 @@ pub struct Rodas5p {
 }
 
 impl Rodas5p {
-    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` per step.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; y.len()];

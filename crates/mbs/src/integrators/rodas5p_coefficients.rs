@@ -1,6 +1,6 @@
 //! Coefficients of RODAS5P [Steinebach 2023], in the variables of the implementation (see [`super::rodas5p`]).
 //!
-//! Tests recover alpha and Gamma from them and check every condition of order 5, so a wrong digit fails them.
+//! Tests recover alpha and Gamma from them and check every condition of order 5, so they detect a wrong digit.
 
 /// Number of stages.
 pub const STAGES: usize = 8;

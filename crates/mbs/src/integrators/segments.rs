@@ -1,17 +1,16 @@
 //! Runs in segments between times at which f has a jump or a kink.
 //!
-//! A method of order p has its order only where f has p derivatives. A step over a jump of f is of order 1 with any method; an
+//! A method of order p has its order only where f has p derivatives. A step over a jump of f has order 1 with any method; an
 //! adaptive method shortens its steps before the jump, a fixed one does not. Therefore no step passes such a time. The last
-//! step of a segment is shortened to end there, and the method starts anew, with its first step, its own derivative at the
-//! start and no memory of the previous segment. Within a segment f is that segment's own at both ends
-//! ([`OdeSystem::restart_at`]).
+//! step of a segment is shortened to end there, and the method restarts with its first step, a new derivative and no memory.
+//! Both ends of a segment have the f of that segment ([`OdeSystem::restart_at`]).
 
 use pinwheel_faults::{Fault, armed};
 
 use super::{StepCounts, StepError, StepSettings, Stepper, restored, saved, start};
 use crate::OdeSystem;
 
-/// Distance from a segment's end that counts as 0, in steps of the settings.
+/// Distance from a segment's end, in steps of the settings, below which it is reached.
 const THERE: f64 = 1e-9;
 
 /// Method during a run that is divided into segments.
@@ -19,7 +18,7 @@ pub struct Segments {
     method: String,
     settings: StepSettings,
     stepper: Box<dyn Stepper>,
-    /// Ends of segments that are still to come, the last first.
+    /// Ends of future segments, the last first.
     ends: Vec<f64>,
     /// Work of the earlier steppers.
     past: StepCounts,
@@ -30,7 +29,8 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` are ignored. `None`: no such method.
+    /// Starts the method `name` at (t, y); `breaks` (s) must increase, those up to `t` are ignored. `None` if there is no such
+    /// method.
     #[must_use]
     pub fn start(
         name: &str,
@@ -51,8 +51,7 @@ impl Segments {
         })
     }
 
-    /// Bounds the steps of a method that chooses them: after a smooth interval, its estimates do not detect changes within a
-    /// long step.
+    /// Bounds the steps of a method that chooses them: after a smooth interval its estimates miss changes within a long step.
     #[must_use]
     pub fn with_longest(mut self, step: f64) -> Self {
         self.longest = step;
@@ -65,7 +64,7 @@ impl Segments {
         self.ends.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Enters the next segment with the present state. Before the end of a segment it has no effect.
+    /// Enters the next segment with the present state; no effect before the end of a segment.
     pub fn enter(&mut self, system: &mut dyn OdeSystem) {
         if self.end() - self.stepper.time() > THERE * self.settings.step {
             return;
@@ -78,7 +77,7 @@ impl Segments {
         }
     }
 
-    /// Starts the method anew at the current state, with a first or only step `step`.
+    /// Restarts the method at the current state, with a first or only step `step`.
     fn restart(&mut self, time: f64, step: f64) {
         let settings = StepSettings {
             step,
@@ -99,7 +98,7 @@ impl Stepper for Segments {
         }
         self.enter(system);
         self.stepper.shorten(self.longest);
-        // The end of a segment is a requested time too.
+        // The end of a segment is a requested time, too.
         let stop_time = self.stop_time.min(self.end());
         self.stepper.set_stop_time(stop_time);
         let end = self.end();

@@ -1,4 +1,4 @@
-//! Weighted sums of stages in registers: a loop that looks up its stages at every component would be limited by that.
+//! Weighted sums of stages in registers, without a look-up of the stages at every component.
 
 use std::array::from_fn;
 use std::iter::zip;
@@ -6,7 +6,7 @@ use std::iter::zip;
 /// Nonzero entries in a row of a tableau: (stage, weight).
 pub(super) type Row = &'static [(usize, f64)];
 
-/// Passes to `take` the sum of weights times stages of each of `n` components; `N` is the row's length.
+/// Passes the weighted sum of stages of each of `n` components to `take`; `N` is the row's length.
 #[inline(always)]
 pub(super) fn each_sum<const N: usize>(
     row: Row,
@@ -33,7 +33,7 @@ pub(super) fn set_sum(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Ve
     BY_LENGTH[row.len() - 1](out, y, h, row, stages);
 }
 
-/// Computes `out = h sum`. Not inlined: only for an argument the compiler knows that `out` is none of the stages.
+/// Computes `out = h sum`. Not inlined: only for arguments the compiler assumes that `out` does not overlap the stages.
 #[inline(never)]
 pub(super) fn set_scaled<const N: usize>(out: &mut [f64], h: f64, row: Row, stages: &[Vec<f64>]) {
     each_sum::<N>(row, stages, out.len(), |c, sum| out[c] = h * sum);

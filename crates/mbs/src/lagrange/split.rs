@@ -1,7 +1,7 @@
-//! The Lagrange form with friction treated implicitly.
+//! Lagrange form with implicit friction.
 //!
-//! In a mechanism of centre-pinned bodies the friction of a stage follows from the free rates alone ([`crate::sliding`]). It is
-//! then a known load, and both parts of the derivative come from the saddle-point system:
+//! In a mechanism of centre-pinned bodies the friction of a stage follows from the free rates ([`crate::sliding`]). It is then
+//! a known load, and both parts of the derivative follow from the saddle-point system:
 //!
 //! ```text
 //! M i + D' mu = friction,      D i = 0        v = v* + a i
@@ -15,7 +15,7 @@ use crate::Forces;
 use crate::state::{Wrench, add_pair};
 
 impl<F: Forces> Lagrange<F> {
-    /// Solves one stage; `None` when it has no solution. See [`crate::OdeSystem::split_stage`].
+    /// Solves one stage; `None` without a solution. See [`crate::OdeSystem::split_stage`].
     pub(super) fn split(
         &mut self,
         t: f64,

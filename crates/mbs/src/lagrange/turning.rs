@@ -1,4 +1,4 @@
-//! Arms of revolutes, which turn with their bodies, and the last state projected onto the constraints.
+//! Arms of revolutes that rotate with their bodies, and the last state projected onto the constraints.
 
 use nalgebra::Vector3;
 
@@ -16,14 +16,14 @@ struct Arm {
     point: [f64; 2],
 }
 
-/// Body with its arms. Arms on the ground never turn, and a joint at a centre of mass has none.
+/// Body with its arms; arms on the ground are fixed, and a joint at a centre of mass has none.
 #[derive(Debug, Clone)]
 pub(super) struct Turning {
     pub(super) body: BodyId,
     arms: Vec<Arm>,
 }
 
-/// Returns the arms of a revolute that never turn; others are 0.
+/// Returns the fixed arms of a revolute; others are 0.
 pub(super) fn at_rest(joint: &Revolute) -> Arms {
     let parent = match joint.parent {
         None => joint.parent_point,
@@ -36,7 +36,7 @@ pub(super) fn at_rest(joint: &Revolute) -> Arms {
 }
 
 impl Turning {
-    /// Returns all bodies with arms that turn.
+    /// Returns all bodies with rotating arms.
     pub(super) fn of(mechanism: &Mechanism) -> Vec<Self> {
         let arms_of = |body: BodyId| {
             let mut arms = Vec::new();
@@ -92,7 +92,7 @@ impl Turning {
     }
 }
 
-/// State that was last projected onto the constraints, if bodies and arms still have it.
+/// State last projected onto the constraints, if bodies and arms still have it.
 #[derive(Debug, Clone)]
 pub(super) struct Projected {
     pub(super) valid: bool,
@@ -115,7 +115,7 @@ impl Projected {
     }
 
     pub(super) fn is(&self, time: f64, y: &[f64]) -> bool {
-        // All components are compared: without an early exit the comparison takes several at a time.
+        // All components are compared, because without an early exit the comparison processes several at a time.
         let same = |all: bool, (a, b): (&f64, &f64)| all & (a == b);
         self.valid && self.time == time && self.y.iter().zip(y).fold(true, same)
     }

@@ -1,7 +1,7 @@
 //! Elimination of bodies in closed form, before the factorisation.
 //!
-//! **Leaves** are bodies that only one revolute holds, at their centre of mass (pins, discs). With m and I of the leaf and D_p
-//! the revolute's rows for its parent, the leaf and the parent's rows of the system are:
+//! **Leaves** are bodies with a single revolute, at their centre of mass (pins, discs). With m and I of the leaf and D_p the
+//! revolute's rows for its parent, the leaf and the parent's rows of the system are:
 //!
 //! ```text
 //! a = gamma - D_p a_p,   mu = F - m a,   rotation: moment/I
@@ -9,14 +9,14 @@
 //! ```
 //!
 //! **Hubs** are bodies that one revolute joins to the ground and that carry only leaves (shafts, pendulums); a driver from the
-//! ground may turn them. Let s be the arm of the revolute and M the inertia, that of the leaves included. Under the revolute
-//! one acceleration is free:
+//! ground may turn them. Let s be the arm of the revolute and M the inertia including the leaves. Under the revolute one
+//! acceleration is free:
 //!
 //! ```text
 //! a = (gamma, 0) + w alpha,   w = (s_y, -s_x, 1)
 //! alpha = w.(F - M (gamma, 0))/w.M w, or the driver's;   mu = (F - M a)_xy,   w.(F - M a) of the driver
 //! ```
-//! A gear consists of hubs and leaves alone.
+//! A gear has only hubs and leaves.
 
 use std::iter::once;
 
@@ -29,7 +29,7 @@ use crate::tree::Arms;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Inertia {
     mass: f64,
-    /// First moment, kg m, in the ground's directions.
+    /// First moment, kg m, in the ground frame.
     first: [f64; 2],
     /// Second moment, kg m^2.
     second: f64,
@@ -66,9 +66,9 @@ struct Leaf {
     body: usize,
     constraint: usize,
     mass: f64,
-    /// 1/I.
+    /// Inverse 1/I.
     over_moment: f64,
-    /// The revolute's arm on the parent, m: `D_p = [-1 0 y; 0 -1 -x]`.
+    /// Arm of the revolute on the parent, m: `D_p = [-1 0 y; 0 -1 -x]`.
     arm: [f64; 2],
 }
 
@@ -200,7 +200,7 @@ impl Pinned {
             parent: j.parent_point,
             child: j.child_point,
         };
-        // Inertias are computed at angles of 0: bodies turn with all they carry.
+        // Inertias are computed at angles of 0, because bodies rotate with all that they carry.
         pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
         for hub in &mut pinned.hubs {
             let times = pinned.inertia[hub.body].times(&hub.free);
@@ -277,7 +277,7 @@ impl Pinned {
 }
 
 impl Rest {
-    /// Creates the remainder of the bodies that are `left`, and of the constraints, by their `ends`, that hold them.
+    /// Creates the remainder: the bodies that are `left`, and the constraints on them, by their `ends`.
     fn new(mechanism: &Mechanism, left: &[bool], ends: &[(usize, Option<usize>)]) -> Self {
         let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
         let place = |body: usize| bodies.partition_point(|&k| k < body);

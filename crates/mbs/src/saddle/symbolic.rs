@@ -1,11 +1,11 @@
-//! Order of elimination and its fill, determined once for a mechanism.
+//! Order of elimination and fill, determined once for a mechanism.
 //!
 //! Nodes are bodies, then revolutes, then drivers. A body may be eliminated at any time. A constraint waits for the bodies that
 //! [`prerequisites`] lists, so that its pivot is regular whenever D has full rank:
-//! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose,
-//!   because each has a body to itself;
-//! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it either lie within the
-//!   closed loops or have bodies of their own, so that they are independent rows of D.
+//! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose, because each has its own
+//! body;
+//! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it lie within the closed
+//! loops or have their own bodies, so that they are independent rows of D.
 
 use crate::mechanism::Mechanism;
 use crate::tree::Forest;
@@ -53,7 +53,7 @@ pub(super) fn prerequisites(mechanism: &Mechanism) -> Vec<Vec<usize>> {
         chain.reverse();
         chain
     };
-    // The loop of a closure: both paths inwards to the last body they share, that body included.
+    // Loop of a closure: both paths inwards to the last common body, that body included.
     let path = |child: usize, parent: Option<usize>| -> Vec<usize> {
         let (a, b) = (outwards(Some(child)), outwards(parent));
         let shared = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
@@ -99,7 +99,7 @@ pub(super) fn elimination_order(
     while !left.is_empty() {
         let eligible =
             |&k: &usize| k < bodies || waits[k - bodies].iter().all(|body| !left.contains(body));
-        // Constraints come first among equal degrees: carriers then wait until all bodies they carry are included.
+        // Constraints come first among equal degrees: carriers then wait for all bodies that they carry.
         let next = left
             .iter()
             .copied()

@@ -19,11 +19,11 @@ pub struct Arrowhead {
     /// Place of each velocity among hubs or leaves.
     place: Vec<Place>,
     hubs: usize,
-    /// D.
+    /// Diagonal D of the leaves.
     leaf_diagonal: Vec<f64>,
-    /// B', one row of hubs a leaf.
+    /// Border B', one row of hubs for each leaf.
     border: Vec<f64>,
-    /// S, then its Cholesky factor (lower triangle, row major).
+    /// Hub block S, then its Cholesky factor (lower triangle, row major).
     hub: Vec<f64>,
     hub_rhs: Vec<f64>,
 }

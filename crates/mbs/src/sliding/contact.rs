@@ -1,4 +1,4 @@
-//! Data of a touching pair, and its rates in generalised velocities.
+//! Data of a touching pair, and its rates as functions of generalised velocities.
 
 use crate::BodyId;
 
@@ -11,7 +11,7 @@ pub struct Contact {
     pub point: [f64; 2],
     /// Unit vector n from the first body into the second, ground frame. The tangent is R90 n.
     pub normal: [f64; 2],
-    /// F_n >= 0, N: pushes the first body along -n.
+    /// Normal force F_n >= 0, N: pushes the first body along -n.
     pub normal_force: f64,
     /// Coefficient of friction mu.
     pub coefficient: f64,

@@ -4,22 +4,22 @@
 //! minimise over v:  1/2 (v - v*)' M (v - v*) + a sum_c L_c v_s H(u_c / v_s),   u_c = offset_c + J_c v
 //! H(x) = x^2/2 for |x| <= 1, |x| - 1/2 beyond (Huber)
 //! ```
-//! Stationarity is the implicit step itself: `M (v - v*) = -a sum J' L clamp(u/v_s, -1, 1)`. The function is strictly convex
-//! and piecewise quadratic. A Newton step after which every contact still sticks or slides as before therefore reaches the
-//! minimum exactly. A line search makes the earlier steps descend ([Qi, Sun 1993], [Hintermueller, Ito, Kunisch 2002] for the
+//! Stationarity is the implicit step: `M (v - v*) = -a sum J' L clamp(u/v_s, -1, 1)`. The function is strictly convex and
+//! piecewise quadratic. A Newton step after which every contact sticks or slides as before therefore reaches the minimum
+//! exactly. A line search makes the earlier steps descend ([Qi, Sun 1993], [Hintermueller, Ito, Kunisch 2002] for the
 //! semi-smooth Newton method).
 
 use super::arrowhead::Arrowhead;
 use super::contact::Row;
 
-/// One contact of the problem.
+/// Contact of the problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slip {
     /// Sliding speed u as a function of the velocities.
     pub rate: Row,
-    /// L = mu F_n >= 0, N.
+    /// Friction limit L = mu F_n >= 0, N.
     pub limit: f64,
-    /// v_s > 0, m/s.
+    /// Ramp speed v_s > 0, m/s.
     pub ramp: f64,
 }
 
@@ -31,7 +31,7 @@ impl Slip {
         self.limit * (u / self.ramp).clamp(-1.0, 1.0)
     }
 
-    /// Returns -1, 0, 1: sliding backwards, sticking, sliding forwards.
+    /// Returns -1, 0, 1 for sliding backwards, sticking, sliding forwards.
     #[inline]
     fn state(&self, u: f64) -> i8 {
         if u > self.ramp {
@@ -48,12 +48,12 @@ impl Slip {
 const MOST_STEPS: usize = 1000;
 /// Ratio of the slope to that at the start of a step at which a line search ends.
 const SLOPE_SHARE: f64 = 0.1;
-/// Largest change of a sliding speed at convergence, relative to its ramp; rounding of the last step must not exceed it either.
+/// Largest change of a sliding speed at convergence, relative to its ramp, including rounding of the last step.
 const RATE_SHARE: f64 = 1e-10;
-/// Change of a velocity at convergence by rounding alone: a narrow ramp may ask for more digits than a double has.
+/// Change of a velocity at convergence by rounding alone: a narrow ramp may require more digits than a double has.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Minimisation, with the memory it needs.
+/// Minimisation with its memory.
 #[derive(Debug, Clone)]
 pub struct SlidingProblem {
     matrix: Arrowhead,
@@ -81,9 +81,8 @@ impl SlidingProblem {
         &self.inertia
     }
 
-    /// Minimises for the target velocities `target` and the time `a` (s); `v` holds a first guess and
-    /// receives the minimum. Returns the number of Newton steps; `None` when something is not finite
-    /// or a contact joins two leaves.
+    /// Minimises for the target velocities `target` and the time `a` (s); `v` is a first estimate and becomes the minimum.
+    /// Returns the number of Newton steps; `None` if a value is not finite or a contact joins two leaves.
     pub fn solve(
         &mut self,
         a: f64,
@@ -147,7 +146,7 @@ impl SlidingProblem {
         sizes.all(|((v, target), d)| d.abs() <= ROUNDING * (v.abs() + target.abs()))
     }
 
-    /// Returns the derivative of the function along the step, at share `s` of it.
+    /// Returns the derivative of the function along the step, at the fraction `s` of it.
     fn slope(&self, a: f64, slips: &[Slip], target: &[f64], v: &[f64], s: f64) -> f64 {
         let kinetic: f64 = (0..v.len())
             .map(|k| self.inertia[k] * (v[k] + s * self.step[k] - target[k]) * self.step[k])
@@ -157,7 +156,7 @@ impl SlidingProblem {
         kinetic + a * powers.sum::<f64>()
     }
 
-    /// Returns the share of the step to take: 1 where the function still falls there, else near the minimum along it.
+    /// Returns the fraction of the step to take: 1 where the function still falls there, else near the minimum along it.
     fn line_search(&self, a: f64, slips: &[Slip], target: &[f64], v: &[f64]) -> Option<f64> {
         let slope = |s| self.slope(a, slips, target, v, s);
         let (start, end) = (slope(0.0), slope(1.0));

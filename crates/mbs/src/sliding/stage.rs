@@ -1,4 +1,4 @@
-//! One implicit stage: computes velocities that are consistent with the friction of listed contacts.
+//! Implicit stage: velocities that are consistent with the friction of listed contacts.
 
 use pinwheel_faults::{Fault, factor};
 
@@ -54,11 +54,11 @@ impl SlidingStage {
 
     /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*).
     ///
-    /// `guess` of i: Newton's method begins at v* + a guess. Damping makes the normal forces depend slightly on the velocities,
-    /// and they are evaluated at this estimate. A guess from the previous stage differs by the change of the friction since,
-    /// and moves them by less than 1e-3.
+    /// Newton's method begins at v* + a `guess`, an estimate of i. Damping makes the normal forces depend slightly on the
+    /// velocities; they are evaluated at this estimate. The error of an estimate from the previous stage changes them by less
+    /// than 1e-3.
     ///
-    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. Returns false if there is no solution.
+    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. Returns false without a solution.
     /// Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) use the solution.
     pub fn solve(
         &mut self,

@@ -1,17 +1,17 @@
-//! Blocks of constraints that have lost rank.
+//! Blocks of constraints without full rank.
 
 use nalgebra::{Matrix2, Matrix3};
 use pinwheel_mbs::internals::constraint_inverse;
 
-/// `[[a, b], [b, d]]` with these stretches, the first along the direction turned by `angle`.
+/// Returns `[[a, b], [b, d]]` with these eigenvalues, the first along the direction at `angle`.
 fn block(first: f64, second: f64, angle: f64) -> Matrix2<f64> {
     let (s, c) = angle.sin_cos();
     let turn = Matrix2::new(c, -s, s, c);
     turn * Matrix2::new(first, 0.0, 0.0, second) * turn.transpose()
 }
 
-/// Inverts one direction and two: the inverse where both stretches exceed the least, and without the directions
-/// that do not. Entries outside of the part stay the identity.
+/// Inverse in one direction and in two: directions with eigenvalues below the least are dropped. Entries outside of the part
+/// stay the identity.
 #[test]
 fn constraints_are_inverted_without_what_does_not_stretch() {
     let inverted = |part: Matrix2<f64>, size: usize| {

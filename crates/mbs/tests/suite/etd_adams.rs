@@ -5,7 +5,7 @@ use pinwheel_mbs::internals::{
     Columns, Linear, Lu, Propagator, ROWS, padded, step_back, to_differences,
 };
 
-/// More rows than a block has: the product is that by rows, bit by bit.
+/// With more rows than a block the product equals that by rows, bit by bit.
 #[test]
 fn products_are_those_by_rows() {
     let (rows, columns) = (ROWS + 3, 7);
@@ -26,8 +26,8 @@ fn products_are_those_by_rows() {
     }
 }
 
-/// More freedoms than a block has rows: told as a system of first order it has the same propagator, and what it does can be
-/// undone.
+/// With more freedoms than rows of a block, a system of second order has the propagator of the equivalent first-order system,
+/// and it can be inverted.
 #[test]
 fn upper_rows_give_the_lower_ones() {
     let (freedoms, terms, tau) = (ROWS + 1, 5, -0.7);
@@ -75,7 +75,7 @@ fn upper_rows_give_the_lower_ones() {
     }
 }
 
-/// A polynomial by its coefficients, by its differences at another distance, and those one point before.
+/// A polynomial by its coefficients, by its differences at another distance, and by those one point earlier.
 #[test]
 fn differences_are_those_of_the_polynomial() {
     let (coefficients, share) = ([0.3, -1.2, 2.0, 0.7, -0.4], 0.6);
@@ -97,7 +97,7 @@ fn differences_are_those_of_the_polynomial() {
         });
         terms.sum::<f64>()
     };
-    // Two columns, the other of which is twice this one.
+    // Two columns, the second of which is twice the first.
     let mut differences: Vec<f64> = coefficients.iter().flat_map(|b| [*b, 2.0 * b]).collect();
     to_differences(&mut differences, 2, share);
     for at in [0.0, -1.0, -2.0] {

@@ -12,7 +12,7 @@ struct Masses {
     evaluations: u64,
 }
 
-/// rad^2/s^2, 1/s.
+/// Squared angular frequencies, rad^2/s^2.
 const STIFFNESS: [f64; 2] = [4e4, 9e4];
 const DAMPING: [f64; 2] = [2.0, 5.0];
 const CUBIC: f64 = 2e4;
@@ -27,7 +27,7 @@ impl Masses {
         }
     }
 
-    /// Share of the second spring that pushes.
+    /// Returns 1 if the second spring acts, else 0.
     fn second(&self, x: f64) -> f64 {
         if self.one_sided && x < 0.0 { 0.0 } else { 1.0 }
     }
@@ -83,7 +83,7 @@ impl OdeSystem for Masses {
     }
 }
 
-/// States at the times asked for, and what they took.
+/// Returns the states at the requested times, and the counts of work.
 fn run(
     stepper: &mut dyn Stepper,
     system: &mut Masses,
@@ -115,7 +115,7 @@ fn explicit(tolerance: f64, one_sided: bool, times: &[f64]) -> (Vec<[f64; 4]>, S
     run(&mut stepper, &mut Masses::new(one_sided), times)
 }
 
-/// Largest difference in the scale of the system.
+/// Returns the largest difference, relative to the scales of the system.
 fn distance(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
     let scale = [0.02, 0.02, 4.0, 4.0];
     let pairs = a.iter().flatten().zip(b.iter().flatten());
@@ -130,10 +130,9 @@ fn grid(step: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Samples as a user would have them, far apart, none but the last, and at times that fit nothing: steps end at all of them.
-/// Errors stay below four times those of Dormand-Prince at the same tolerance (measured: 0.0004 to 2.4 of them), and evaluations
-/// below half of its (measured: 0.31 to 0.07), but for uneven samples, which take five steps each: their distance never lets a
-/// step double.
+/// Steps end at all samples: far apart, only the last, or at uneven times. Errors stay below four times those of Dormand-Prince
+/// at the same tolerance (measured: 0.0004 to 2.4 times), and evaluations below half (measured: 0.31 to 0.07). Uneven samples
+/// are an exception: they take five steps each, because their distances never permit doubling.
 #[test]
 fn samples_of_any_kind_cost_no_digits() {
     let uneven: Vec<f64> = (1..1500)
@@ -169,8 +168,8 @@ fn samples_of_any_kind_cost_no_digits() {
     }
 }
 
-/// Short runs of smooth and of one-sided springs, with samples on a grid, at uneven times and at the end: their errors at samples
-/// and between, in tolerances, and what they cost. Mostly the method rejects what is wrong, so that a fault in it shows in the cost.
+/// Short runs of smooth and one-sided springs, with samples on a grid, at uneven times and at the end: errors at and between
+/// samples, in tolerances, and cost. The method mostly rejects wrong results, so that a fault in it raises the cost.
 #[test]
 fn regress_short_runs_cost_what_they_cost() {
     let scaled = |times: Vec<f64>| times.into_iter().map(|t| 0.15 * t).collect::<Vec<_>>();
@@ -215,7 +214,7 @@ fn regress_short_runs_cost_what_they_cost() {
     ] {
         let (states, counts) = exponential(tolerance, one_sided, &times);
         let mut free = EtdAdams::new(1e-4, tolerance, 0.0, &START);
-        // Shorter than a swing, of which it would see nothing but the ends.
+        // Shorter than an oscillation, of which only the ends would be evaluated.
         Stepper::shorten(&mut free, 1e-3);
         let (mut inside, mut found) = (Vec::new(), Vec::new());
         let mut system = Masses::new(one_sided);
@@ -250,8 +249,8 @@ fn regress_short_runs_cost_what_they_cost() {
     }
 }
 
-/// Steps of one length, as a bound on them leaves them at a tolerance that asks for nothing: halved they divide the error by
-/// 2^4 at least (measured: 2^7.3, as the higher order is taken).
+/// Equal steps, by a bound and a very loose tolerance: halving them divides the error by at least 2^3.5 (measured: 2^7.3, as
+/// the higher order is used).
 #[test]
 fn fixed_steps_have_the_order() {
     let exact = explicit(1e-13, false, &[END]).0;
@@ -261,7 +260,7 @@ fn fixed_steps_have_the_order() {
         Stepper::shorten(&mut stepper, longest);
         let (states, counts) = run(&mut stepper, &mut system, &[END]);
         println!("{steps}: {:.1e} {counts:?}", distance(&states, &exact));
-        // The first few are Dormand-Prince's.
+        // The first steps are Dormand-Prince's.
         assert!((counts.steps as f64 - steps).abs() <= 8.0);
         assert!(counts.jacobians > 0 && counts.evaluations < 2 * counts.steps);
         distance(&states, &exact)
@@ -272,7 +271,7 @@ fn fixed_steps_have_the_order() {
     }
 }
 
-/// Inside a step the state is as good as at its ends.
+/// Between steps the state is as accurate as at their ends.
 #[test]
 fn states_between_steps_are_as_good() {
     let mut system = Masses::new(false);
@@ -298,8 +297,9 @@ fn stepper_time(stepper: &EtdAdams) -> f64 {
     Stepper::time(stepper)
 }
 
-/// The second spring only pushes: f bends and the Jacobian jumps twice in every swing. Measured errors, which grow from swing
-/// to swing: 2.2e-2, 9.7e-4 and 7.1e-6, a third to a half of those of Dormand-Prince, with 0.32 to 0.12 of its evaluations.
+/// The second spring only pushes: f has a kink and the Jacobian jumps twice in every oscillation. Measured errors, which grow
+/// with each oscillation: 2.2e-2, 9.7e-4 and 7.1e-6, a third to a half of those of Dormand-Prince, with 0.32 to 0.12 of its
+/// evaluations.
 #[test]
 fn contacts_that_open_and_close_keep_the_tolerance() {
     let times = grid(2e-3);
@@ -324,7 +324,7 @@ fn contacts_that_open_and_close_keep_the_tolerance() {
     }
 }
 
-/// A state that is no number ends the run with an error, whichever method is at work.
+/// A state that is NaN ends the run with an error, with either method.
 #[test]
 fn hard_a_fault_in_the_middle_is_an_error() {
     struct Broken(Masses);

@@ -1,4 +1,4 @@
-//! Every method of the registry passes the same tests.
+//! Common tests of every method of the registry.
 
 use pinwheel_mbs::OdeSystem;
 use pinwheel_mbs::integrators::{
@@ -8,7 +8,7 @@ use pinwheel_mbs::integrators::{
 use super::bounds;
 use bounds::holds;
 
-/// A smooth non-linear, non-autonomous problem with the solution y = (sin t, exp(cos t)).
+/// Smooth non-linear, non-autonomous problem with the solution y = (sin t, exp(cos t)).
 struct Smooth;
 
 impl OdeSystem for Smooth {
@@ -30,7 +30,7 @@ fn stepper(name: &str, step: f64, tolerance: f64) -> Box<dyn Stepper> {
     start(name, StepSettings { step, tolerance }, 0.0, &exact(0.0)).expect("registered")
 }
 
-/// Error at t = 2 of the step ends, and the largest error of the interpolant on the way.
+/// Returns the error at t = 2 at step ends, and the largest error of the interpolant up to there.
 fn errors(name: &str, step: f64) -> (f64, f64) {
     let mut system = Smooth;
     let mut run = stepper(name, step, 1e-8);
@@ -75,7 +75,7 @@ fn fixed_steps_have_their_order() {
 fn adaptive_methods_follow_their_tolerance() {
     for method in METHODS.iter().filter(|m| m.adaptive) {
         let mut last = f64::INFINITY;
-        // A second-order method would need 1e6 steps, and their rounding, for 1e-11.
+        // A second-order method would need 1e6 steps, with their rounding, for 1e-11.
         let tolerances = if method.order < 4 {
             [1e-3, 1e-4, 1e-5, 1e-6]
         } else {
@@ -89,7 +89,7 @@ fn adaptive_methods_follow_their_tolerance() {
             while run.time() < 2.0 {
                 let before = run.time();
                 run.step(&mut system).unwrap();
-                // Beside the middle, where a share and what is left of it are alike.
+                // Not in the middle, where a fraction and its complement are equal.
                 let inside = 0.7 * before + 0.3 * run.time();
                 for t in [inside, run.time()] {
                     run.interpolate(&mut system, t, &mut y);
@@ -166,7 +166,7 @@ fn interpolation_does_not_disturb_the_run() {
     }
 }
 
-/// y' = NaN from t = 1 on.
+/// System with y' = NaN from t = 1 on.
 struct Broken;
 
 impl OdeSystem for Broken {
@@ -208,7 +208,7 @@ fn unknown_methods_are_refused() {
     assert!(start("euler", settings, 0.0, &[0.0, 1.0]).is_none());
 }
 
-/// Smooth's derivatives, with a note of what was asked for and with errors counted in another unit.
+/// Derivatives of Smooth, with a record of the calls and scales of another unit.
 struct Noted {
     calls: u64,
     settled: Vec<f64>,
@@ -260,7 +260,7 @@ fn evaluations_are_counted() {
         for steps in 1..=20 {
             run.step(&mut system).unwrap();
             let inside = run.time() - 0.3 * run.next_step().min(0.01);
-            // A sample of a method with implicit stages is a step of its own, which does not count.
+            // A sample of a method with implicit stages is a separate step, which does not count.
             if !method.name.starts_with("imex") {
                 run.interpolate(&mut system, inside, &mut y);
             }
@@ -271,7 +271,7 @@ fn evaluations_are_counted() {
     }
 }
 
-/// Each state that is handed out has been put onto the invariants of its own time.
+/// Every returned state is projected onto the invariants of its own time.
 #[test]
 fn states_are_settled_at_their_time() {
     for method in METHODS {
@@ -290,7 +290,7 @@ fn states_are_settled_at_their_time() {
     }
 }
 
-/// The state at a step's end, and before the first step, is not interpolated.
+/// States at a step's end, and before the first step, are not interpolated.
 #[test]
 fn ends_are_not_interpolated() {
     for method in METHODS {
@@ -304,8 +304,8 @@ fn ends_are_not_interpolated() {
     }
 }
 
-/// An error is counted in tolerances times its scale: a unit 16 times larger is a tolerance 16 times larger; of a method
-/// of order 2, whose errors are bounded by tolerance^(3/2), a unit 64 times larger.
+/// Errors are measured in tolerances times the scale: a scale 16 times larger acts as a tolerance 16 times larger; for a method
+/// of order 2, whose errors are bounded by tolerance^(3/2), a scale 64 times larger.
 #[test]
 fn the_scale_is_the_unit_of_the_tolerance() {
     for method in METHODS.iter().filter(|m| m.adaptive) {
@@ -380,7 +380,7 @@ fn a_saved_run_goes_on_exactly() {
     }
 }
 
-/// Slopes that are not finite at the start are said to be so there, not found by ever shorter steps.
+/// Derivatives that are not finite at the start are reported at once, not after ever shorter steps.
 #[test]
 fn slopes_that_are_not_finite_at_the_start_are_named() {
     for method in METHODS.iter().filter(|m| m.adaptive) {

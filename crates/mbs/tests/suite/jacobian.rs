@@ -1,4 +1,4 @@
-//! Jacobians by hubs and leaves.
+//! Jacobians with hubs and leaves.
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{Jacobian, Structure};
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 const N: usize = 7;
 
 proptest! {
-    /// Any split into hubs and leaves, of first and second order, against the whole matrix.
+    /// Any partition into hubs and leaves, of first and second order, against the full matrix.
     #[test]
     fn solves_what_the_whole_matrix_solves(
         is_leaf in prop::collection::vec(any::<bool>(), N), second: bool,
@@ -47,13 +47,13 @@ proptest! {
         jacobian.solve(&mut x);
         let expected = expected.expect("assumed");
         for (x, e) in x.iter().zip(expected.iter()) {
-            // Leaves are not pivoted: digits are lost where one of them nearly vanishes.
+            // Leaves are not pivoted: digits are lost if one of them nearly vanishes.
             prop_assert!((x - e).abs() < 1e-9 * (1.0 + expected.amax()), "{x} {e}");
         }
     }
 }
 
-/// Every entry is told where it was put, none between two leaves, and takes the factor of its row.
+/// Entries are read back as written, none between two leaves, and scaled by the factor of their row.
 #[test]
 fn entries_and_rows() {
     let is_leaf = [false, true, false, true, true];

@@ -1,6 +1,5 @@
-//! Andrews' squeezer in the Test Set's own seven angles and six loop equations, written independently of this
-//! crate's bodies and joints: it holds the integrators against errors known beforehand, and the two models
-//! against each other.
+//! Andrews' squeezer in the Test Set's own seven angles and six loop equations, independent of this crate's bodies and joints:
+//! it compares the integrators with known errors, and the two models with each other.
 
 use nalgebra::{SMatrix, SVector};
 use pinwheel_mbs::OdeSystem;

@@ -1,7 +1,7 @@
 //! Published mechanisms: pendulum (A01), N four-bars (A02), Andrews' squeezer.
 //!
-//! Values and their sources stand in `reference/published/`. Error limits are measured x 2 unless said; orders
-//! are observed between step sizes where the leading error term rules.
+//! Values and their sources are in `reference/published/`. Error limits are twice the measured ones unless noted; orders are
+//! observed between step sizes where the leading error term dominates.
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings};
 use pinwheel_mbs::{Detail, Formulation, Lagrange, OdeSystem, Stabilisation};
@@ -54,7 +54,7 @@ fn pendulum_a01() {
             );
         }
     }
-    // After whole periods it hangs where it was let go, at rest. Near there x has no slope: y tells the time.
+    // After full periods it is at its start, at rest. Near there x has no slope, so y indicates the time.
     let period = number(&data, "period_s");
     let back = solve(
         &pendulum(),
@@ -123,8 +123,8 @@ fn four_bars_a02() {
     }
 }
 
-/// All rods on one line to the last bit: the constraints depend on each other in the first evaluation,
-/// which is then made beside that pose. The cranks stay parallel.
+/// All rods exactly on one line: the constraints depend on each other in the first evaluation, which uses a neighbouring pose.
+/// The cranks stay parallel.
 #[test]
 fn four_bars_start_in_the_singular_pose() {
     let loops = 3;
@@ -148,13 +148,13 @@ fn four_bars_start_in_the_singular_pose() {
     for (row, &time) in solved.values.iter().zip(&times) {
         let (theta, rate) = crank(strength, 0.0, speed, time);
         let (s, c) = theta.sin_cos();
-        // Measured 3e-9; the one evaluation beside the pose shows as h/6 times 2e-5 rad times theta''' = 1e-8.
+        // Measured 3e-9; the evaluation at the neighbouring pose contributes h/6 times 2e-5 rad times theta''' = 1e-8.
         let error = worst(row, &[c, s, -rate * s, rate * c]);
         holds("rk4", &format!("error at {time} s"), error, ..2e-8);
     }
 }
 
-/// theta'' = -strength cos(theta), by RK4 at 1e-5 s.
+/// Integrates theta'' = -strength cos(theta) by RK4 at 1e-5 s.
 fn crank(strength: f64, theta: f64, rate: f64, end: f64) -> (f64, f64) {
     let steps = (end / 1e-5).round() as usize;
     let h = end / steps as f64;
@@ -210,11 +210,11 @@ fn andrews_squeezer_to_all_published_digits() {
         published,
         ..rounding,
     );
-    // The published digits, not ours, are what differs: they are 1.43e-9 from the 20-digit solution.
+    // The difference is that of the published digits, which are 1.43e-9 from the 20-digit solution.
     assert!(published > 100.0 * e.q);
 }
 
-/// The adaptive method on bodies and joints.
+/// Adaptive method on bodies and joints.
 #[test]
 fn andrews_squeezer_by_dopri5() {
     let data = table("andrews");

@@ -1,4 +1,4 @@
-//! Stiff problems for methods with a Jacobian: the step must follow the solution, not the stiffness.
+//! Stiff problems for methods with a Jacobian: the solution, not the stiffness, must limit the step.
 
 use pinwheel_mbs::integrators::{StepSettings, Stepper, start};
 use pinwheel_mbs::{Jacobian, OdeSystem, Structure};
@@ -8,7 +8,7 @@ use super::published;
 use bounds::holds;
 use published::{number, numbers, table, worst};
 
-/// Van der Pol's equation as one of second order, with or without its own derivatives.
+/// Van der Pol's equation in second-order form, with or without its own derivatives.
 struct VanDerPol {
     epsilon: f64,
     knows_its_slopes: bool,
@@ -42,7 +42,7 @@ impl OdeSystem for VanDerPol {
     }
 }
 
-/// Both jumps of a period lie before the end: the tolerance is kept there too, and the steps are few.
+/// Both jumps of a period are before the end: the tolerance is met there, too, with few steps.
 #[test]
 fn published_van_der_pol() {
     let data = table("van-der-pol");
@@ -73,7 +73,7 @@ fn published_van_der_pol() {
         println!("{tolerance:e}, own derivatives {knows_its_slopes}: {error:.1e}, {counts:?}");
         let what = format!("own derivatives {knows_its_slopes}, tolerance {tolerance:e}");
         holds(rodas5p(), &format!("{what}: error"), error, ..limit);
-        // An explicit method needs more than 1e6 steps: epsilon of the time each.
+        // An explicit method needs more than 1e6 steps, of epsilon each.
         holds(
             rodas5p(),
             &format!("{what}: steps"),
@@ -88,7 +88,7 @@ fn rodas5p() -> &'static str {
     "rodas5p"
 }
 
-/// [Prothero & Robinson 1974]: y' = lambda (y - phi) + phi', phi = sin(10 + t). Nonautonomous, as stiff as one likes.
+/// [Prothero & Robinson 1974]: y' = lambda (y - phi) + phi', phi = sin(10 + t). Nonautonomous, of arbitrary stiffness.
 struct ProtheroRobinson {
     lambda: f64,
 }
@@ -102,19 +102,19 @@ impl OdeSystem for ProtheroRobinson {
         dydt[0] = self.lambda * (y[0] - (10.0 + t).sin()) + (10.0 + t).cos();
     }
 
-    /// Steps of equal length: nothing counts as an error.
+    /// Unit scales, with which a tolerance of 1 accepts every step.
     fn scale(&self, _: &[f64], scale: &mut [f64]) {
         scale.fill(1.0);
     }
 }
 
-/// Largest error over steps of `h` up to 2, at their ends and inside.
+/// Returns the largest errors over steps of `h` up to 2, at their ends and inside.
 fn prothero_robinson(lambda: f64, h: f64) -> [f64; 2] {
     let mut system = ProtheroRobinson { lambda };
     let (mut ends, mut inside): (f64, f64) = (0.0, 0.0);
     let (mut t, mut y) = (0.0, [10_f64.sin()]);
     while t < 2.0 - 1e-9 {
-        // A new run for every step: its first step is the one asked for, at a tolerance that accepts it.
+        // A new run for every step: its first step is the requested one, at a tolerance that accepts it.
         let settings = StepSettings {
             step: h,
             tolerance: 1.0,
@@ -130,8 +130,8 @@ fn prothero_robinson(lambda: f64, h: f64) -> [f64; 2] {
     [ends, inside]
 }
 
-/// Order 5 where nothing is stiff. Where lambda h is large the ends are off by h^4/(lambda h), a million times less, and
-/// the interpolant by h^4.
+/// Order 5 without stiffness. If lambda h is large, the error at the ends is h^4/(lambda h), a million times smaller, and that
+/// of the interpolant h^4.
 #[test]
 fn published_prothero_robinson_orders() {
     for (lambda, least) in [(-1.0, [4.75, 4.75]), (-1e2, [3.0, 3.6]), (-1e6, [2.8, 3.6])] {

@@ -1,4 +1,4 @@
-//! Conditions of order that the coefficients of RODAS5P fulfil.
+//! Order conditions for the coefficients of RODAS5P.
 
 use pinwheel_mbs::internals::{A, C, D, GAMMA, H, STAGES, TIMES};
 
@@ -12,12 +12,12 @@ fn apply(a: &Matrix, x: &[f64; STAGES]) -> [f64; STAGES] {
     std::array::from_fn(|i| (0..STAGES).map(|j| a[i][j] * x[j]).sum())
 }
 
-/// Stages in the variables of the implementation are U = Gamma k, and its C is diag(1/gamma) - Gamma^-1.
+/// Coefficients of the method. Stages in the implementation's variables are U = Gamma k, and its C is diag(1/gamma) - Gamma^-1.
 struct Method {
     gamma: Matrix,
-    /// alpha = a Gamma.
+    /// Product alpha = a Gamma.
     alpha: Matrix,
-    /// a, with the two rows that repeat; its row of ones makes y+.
+    /// Matrix a, with the two rows that repeat; its row of ones gives y+.
     a: Matrix,
 }
 
@@ -56,7 +56,7 @@ fn method() -> Method {
     }
 }
 
-/// A rooted tree: its branches.
+/// Rooted tree, as a list of its branches.
 #[derive(Clone)]
 struct Tree(Vec<Tree>);
 
@@ -91,7 +91,7 @@ impl Tree {
     }
 }
 
-/// All trees of `order` vertices: 1, 1, 2, 4, 9.
+/// Returns all trees of `order` vertices: 1, 1, 2, 4, 9.
 fn trees(order: usize) -> Vec<Tree> {
     fn forests(vertices: usize, largest: usize) -> Vec<Vec<Tree>> {
         if vertices == 0 {
@@ -101,7 +101,7 @@ fn trees(order: usize) -> Vec<Tree> {
         for size in 1..=largest.min(vertices) {
             let same = trees(size);
             for rest in forests(vertices - size, size) {
-                // Branches of one size in the order of their list, or a tree would come twice.
+                // Branches of equal size in the order of their list, to avoid repeated trees.
                 let last = rest.first().filter(|r: &&Tree| r.order() == size);
                 let from = last.map_or(0, |r| {
                     let shape = |t: &Tree| format!("{:?}", shape(t));
@@ -125,7 +125,7 @@ fn trees(order: usize) -> Vec<Tree> {
         .collect()
 }
 
-/// Largest residual of the conditions of one order for the weights of U.
+/// Returns the largest residual of the conditions of one order for the weights of U.
 fn residual(m: &Method, weights: &[f64; STAGES], order: usize) -> f64 {
     let b: [f64; STAGES] =
         std::array::from_fn(|j| (0..STAGES).map(|i| weights[i] * m.gamma[i][j]).sum());
@@ -140,7 +140,7 @@ fn residual(m: &Method, weights: &[f64; STAGES], order: usize) -> f64 {
 fn published_coefficients_have_order_5_and_4() {
     assert_eq!([1, 2, 3, 4, 5].map(|p| trees(p).len()), [1, 1, 2, 4, 9]);
     let m = method();
-    // y+ adds the last stage to the argument of the last but one; the embedded solution is that argument.
+    // y+ adds the last stage to the argument of the last but one; that argument is the embedded solution.
     let mut step = m.a[STAGES - 1];
     let embedded = step;
     step[STAGES - 1] = 1.0;
@@ -159,7 +159,7 @@ fn published_coefficients_have_order_5_and_4() {
     }
 }
 
-/// y(theta) has the conditions of order 4 with theta^order/density.
+/// y(theta) satisfies the conditions of order 4 with theta^order/density.
 #[test]
 fn published_continuous_extension_has_order_4() {
     let m = method();

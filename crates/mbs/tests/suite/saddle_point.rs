@@ -1,4 +1,4 @@
-//! The block factorisation against a dense LU of the whole of Eq. 2, written independently here.
+//! Block factorisation against a dense LU of all of Eq. 2, written independently.
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{
@@ -16,7 +16,7 @@ impl Forces for Loads {
     }
 }
 
-/// Accelerations and multipliers of `[M -D'; D 0][a; lambda] = [F; gamma]` by dense LU.
+/// Returns accelerations and multipliers of `[M -D'; D 0][a; lambda] = [F; gamma]` by dense LU.
 fn dense(mechanism: &Mechanism, loads: &[Wrench]) -> (Vec<f64>, Vec<f64>) {
     let (n, m) = (3 * mechanism.bodies.len(), mechanism.constraints());
     let mut a = DMatrix::zeros(n + m, n + m);
@@ -70,7 +70,7 @@ fn dense(mechanism: &Mechanism, loads: &[Wrench]) -> (Vec<f64>, Vec<f64>) {
     )
 }
 
-/// Seven numbers in (-1, 1) a body are enough to make it up.
+/// Builds a mechanism from numbers in (-1, 1), twelve for each body.
 fn mechanism(
     seeds: &[[f64; 12]],
     closures: &[(usize, usize)],
@@ -92,11 +92,11 @@ fn mechanism(
                 rate: 5.0 * s[5],
             },
         });
-        // A random tree: body k hangs on an earlier body or the ground, sometimes at its centre of mass.
+        // Random tree: body k is joined to an earlier body or the ground, sometimes at its centre of mass.
         let parent = ((s[6].abs() * (k as f64 + 1.0)) as usize).checked_sub(1);
         let child_point = if s[7] > 0.0 { [s[8], s[9]] } else { [0.0; 2] };
         m.revolutes.push(if s[11] > 0.5 && parent.is_some() {
-            // The same joint written the other way round.
+            // Joint with parent and child exchanged.
             Revolute {
                 parent: Some(k),
                 parent_point: child_point,
@@ -180,7 +180,7 @@ proptest! {
         compare(&m, &loads, 1e-8)?;
     }
 
-    /// Shafts and pendulums with all that hangs on them at its centre: nothing is factored.
+    /// Shafts and pendulums with bodies at their centres: nothing is factored.
     #[test]
     fn hubs_and_leaves(
         seeds in prop::collection::vec(prop::array::uniform12(-1.0f64..1.0), 3..20), driven: bool,
@@ -199,7 +199,7 @@ proptest! {
         }
         prop_assert_eq!(pinwheel_mbs::SaddlePoint::new(&m).blocks(), 0);
         compare(&m, &loads, 1e-10)?;
-        // A driver between the two makes them no hubs.
+        // With a driver between the two they are no hubs.
         if driven {
             m.drivers[0].parent = Some(1);
             prop_assert!(pinwheel_mbs::SaddlePoint::new(&m).blocks() > 0);
@@ -240,7 +240,7 @@ fn dependent_constraints_are_named() {
 
 #[test]
 fn a_gear_sized_star_has_no_fill() {
-    // 2 bodies on the ground, 30 on the second, none of them held at its centre: blocks = one a constraint end.
+    // 2 bodies on the ground, 30 on the second, none held at its centre: one block for each end of a constraint.
     let mut seeds = vec![[0.3; 12]; 32];
     for s in &mut seeds {
         s[6] = 0.0;
@@ -250,6 +250,7 @@ fn a_gear_sized_star_has_no_fill() {
         joint.parent = Some(1);
     }
     let blocks = pinwheel_mbs::SaddlePoint::new(&m).blocks();
-    // A ground revolute with 1 end, 30 with 2. The first body, which carries nothing, has left in closed form with its driver.
+    // One ground revolute with 1 end, 30 with 2. The first body, which carries nothing, is eliminated in closed form with its
+    // driver.
     assert_eq!(blocks, 1 + 60);
 }

@@ -1,4 +1,4 @@
-//! A right-hand side that jumps: in segments every method keeps its order, over the jump none does.
+//! Right-hand side that jumps: every method keeps its order in segments, and none over the jump.
 
 use pinwheel_mbs::OdeSystem;
 use pinwheel_mbs::integrators::{METHODS, MethodInfo, Segments, StepSettings, Stepper, start};
@@ -6,13 +6,13 @@ use pinwheel_mbs::integrators::{METHODS, MethodInfo, Segments, StepSettings, Ste
 use super::bounds;
 use bounds::holds;
 
-/// Times at which the push changes: never on a step of 0.02 or half of it, and where the second push ramps.
+/// Times at which the push changes: never at a step of 0.02 or half of it, and the ends of the second push's ramp.
 const BREAKS: [f64; 3] = [0.507_3, 1.204_1, 1.404_1];
 const END: f64 = 2.0;
 
-/// y'' = p(t) - y with p = 0, then 1, then a ramp to -1.
+/// System y'' = p(t) - y with p = 0, then 1, then a ramp to -1.
 struct Pushed {
-    /// Start of the segment; `None`: p follows the time alone.
+    /// Start of the segment; `None`: p depends on the time alone.
     segment: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ impl OdeSystem for Pushed {
 
 const START: [f64; 2] = [0.5, 0.0];
 
-/// The exact solution at `t`: on each segment the particular solution is p itself, linear in time.
+/// Returns the exact solution at `t`: on each segment p, linear in time, is the particular solution.
 fn exact(t: f64) -> [f64; 2] {
     let (mut y, mut from) = (START, 0.0);
     for to in BREAKS.into_iter().chain([f64::INFINITY]) {
@@ -64,7 +64,7 @@ fn off(y: &[f64], t: f64) -> f64 {
     (y[0] - e[0]).abs().max((y[1] - e[1]).abs())
 }
 
-/// Largest error at any step's end and in its middle; the run and its number of evaluations.
+/// Returns the largest error at steps' ends and middles, and the number of evaluations.
 fn error(name: &str, step: f64, tolerance: f64, segments: bool) -> (f64, u64) {
     let settings = StepSettings { step, tolerance };
     let mut system = Pushed {
@@ -120,8 +120,8 @@ fn hard_fixed_steps_keep_their_order_over_a_jump() {
     }
 }
 
-/// In segments the tolerance is kept and costs what a smooth run costs. Without, the step control sees the jump and
-/// creeps up to it: measured 2.3 (`dopri5`), 5.3 (`dop853`) and 2.7 times (`rodas5p`) the evaluations, and 21 to 69 times
+/// In segments the tolerance is met at the cost of a smooth run. Without them the step control detects the jump and shortens
+/// the steps towards it: measured 2.3 (`dopri5`), 5.3 (`dop853`) and 2.7 times (`rodas5p`) the evaluations, and 21 to 69 times
 /// the error.
 #[test]
 fn hard_adaptive_steps_keep_their_tolerance_over_a_jump() {
@@ -147,7 +147,7 @@ fn hard_adaptive_steps_keep_their_tolerance_over_a_jump() {
     }
 }
 
-/// A break on a step's end costs no step and leaves the grid where it is.
+/// A break at a step's end costs no step and leaves the grid unchanged.
 #[test]
 fn a_break_on_the_grid_shortens_nothing() {
     let step = 1.0 / 128.0;
@@ -174,7 +174,7 @@ fn a_break_on_the_grid_shortens_nothing() {
     }
 }
 
-/// Segments without breaks are the method itself, bit by bit.
+/// Segments without breaks equal the method itself, bit by bit.
 #[test]
 fn without_breaks_nothing_changes() {
     for method in METHODS {

@@ -1,5 +1,5 @@
-//! Implicit friction: the arrowhead against a dense solution, the minimum against its definition,
-//! and a block on a rotor against closed forms.
+//! Implicit friction: the arrowhead matrix against a dense solution, the minimum against its definition, and a block on a rotor
+//! against closed forms.
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
@@ -17,12 +17,12 @@ const HUBS: usize = 3;
 const LEAVES: usize = 5;
 const N: usize = HUBS + LEAVES;
 
-/// Hubs and leaves in mixed order.
+/// Returns hubs and leaves in mixed order.
 fn is_leaf() -> Vec<bool> {
     (0..N).map(|k| k % 3 != 1 || k >= 8).collect::<Vec<_>>()
 }
 
-/// A row of one leaf and up to three hubs.
+/// Returns a row of one leaf and up to three hubs.
 fn row(leaf: usize, coefficients: [f64; 4]) -> Row {
     let leaves: Vec<usize> = (0..N).filter(|&k| is_leaf()[k]).collect();
     let hubs: Vec<usize> = (0..N).filter(|&k| !is_leaf()[k]).collect();
@@ -77,7 +77,7 @@ proptest! {
         }
     }
 
-    /// M (v - v*) = -a sum J' F_t(u) at the answer, from any start, and the answer does not depend on the start.
+    /// M (v - v*) = -a sum J' F_t(u) at the solution, from any start, with a result independent of the start.
     #[test]
     fn the_minimum_is_the_implicit_step(
         rows in rows(), inertia in prop::collection::vec(1e-6..1.0_f64, N),
@@ -96,14 +96,14 @@ proptest! {
                 for (dof, c) in slip.rate.entries() {
                     if dof == k {
                         friction += a * c * slip.force(slip.rate.value(&v));
-                        // Rounding of v enters through the stiffness of the ramp.
+                        // Rounding of v acts through the stiffness of the ramp.
                         let u: f64 = slip.rate.entries().map(|(d, c)| (c * v[d]).abs()).sum();
                         size += (a * c).abs() * slip.limit * (1.0 + u / slip.ramp);
                     }
                 }
             }
             let residual = inertia[k] * (v[k] - target[k]) + friction;
-            // Digits that a narrow ramp takes away cannot come back.
+            // Digits lost to a narrow ramp cannot be recovered.
             prop_assert!(residual.abs() <= (1e-14 / ramp).max(1e-9) * size, "{residual} of {size}");
         }
         let mut other = target.clone();
@@ -114,7 +114,7 @@ proptest! {
     }
 }
 
-/// Two discs on fixed axles, pressed against each other: the first brakes against the second.
+/// Two discs on fixed axles, pressed against each other, of which the first brakes the second.
 struct Brake {
     normal: f64,
     coefficient: f64,
@@ -226,13 +226,13 @@ fn run_to(
     (y, stepper.counts().evaluations)
 }
 
-/// Sliding stops at J0 w / (mu F R (1 + 4 J0/J1)) = 0.769 ms; then both roll on together. The ramp's rate
-/// is 1e9 times what the step could follow explicitly.
+/// Sliding stops at J0 w / (mu F R (1 + 4 J0/J1)) = 0.769 ms; then both roll together. The ramp's rate is 1e9 times the
+/// explicit stability limit of the step.
 #[test]
 fn a_brake_slides_and_then_sticks() {
     for method in ["imex2", "imex2-adaptive"] {
         let (y, _) = run(brake(100.0, 1e-10), method, 1e-4, 5e-3);
-        // Angular momentum J0 w0 - J1 w1/2 is kept (radii 1 : 2) and w0 = -2 w1.
+        // Angular momentum J0 w0 - J1 w1/2 is constant (radii 1 : 2), and w0 = -2 w1.
         let w1 = -1e-6 * 100.0 / (2e-6 + 1e-4 / 2.0);
         holds(
             method,
@@ -244,9 +244,9 @@ fn a_brake_slides_and_then_sticks() {
     }
 }
 
-/// A method with the Jacobian comes to rest too, at relaxations of 1.2e8 1/s, where its errors are smaller than the ramp
-/// (1e-3 rad/s). With larger ones it jumps to and fro over the ramp, which it then never sees: measured 5e5 evaluations
-/// at a tolerance of 1e-4.
+/// A method with the Jacobian comes to rest, too, at relaxation rates of 1.2e8 1/s, if its errors are smaller than the ramp
+/// (1e-3 rad/s). With larger errors it jumps back and forth over the ramp without resolving it: measured 5e5 evaluations at a
+/// tolerance of 1e-4.
 #[test]
 fn a_brake_slides_and_then_sticks_by_its_slopes() {
     let (method, w1) = ("rodas5p", -1e-6 * 100.0 / (2e-6 + 1e-4 / 2.0));
@@ -277,14 +277,14 @@ fn without_contact_forces_nothing_is_implicit() {
     }
 }
 
-/// Explicit methods blow up or chatter on the same brake: what the implicit one is for.
+/// Explicit methods diverge or chatter on the same brake.
 #[test]
 fn explicit_methods_do_not_bring_the_brake_to_rest() {
     let (y, _) = run(brake(100.0, 1e-6), "rk2", 1e-4, 5e-3);
     holds("rk2", "slip, rad/s", (y[2] + 2.0 * y[3]).abs(), 1.0..);
 }
 
-/// A contact between two leaves cannot be eliminated: NaN, never a wrong number.
+/// A contact between two leaves cannot be eliminated: the result is NaN.
 #[test]
 fn two_leaves_in_contact_are_an_error() {
     let mut system = brake(100.0, 1e-5).with_leaves(&[0, 1]);

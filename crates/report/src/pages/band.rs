@@ -1,4 +1,4 @@
-//! Bands of other contact laws, in words and as a table.
+//! Bands of other contact laws, as text and as a table.
 
 use crate::figure::{interval, rounded};
 use crate::format::{joined, significant};
@@ -16,7 +16,7 @@ static TOLD: [&FigureDef; 4] = [
     &defs::LOST_MOTION,
 ];
 
-/// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
+/// Returns a sentence with the remedy if the figures of the scene's law are outside of the bands.
 pub(crate) fn outside(bands: &Bands) -> Option<String> {
     if bands.holds_own() {
         return None;
@@ -28,7 +28,7 @@ pub(crate) fn outside(bands: &Bands) -> Option<String> {
     ))
 }
 
-/// Sentence on the laws from which the bands are.
+/// Returns a sentence on the laws of the bands.
 pub(crate) fn about(bands: &Bands) -> String {
     if let Some(why) = bands.declined {
         return format!("no band: {why}");
@@ -42,7 +42,7 @@ pub(crate) fn about(bands: &Bands) -> String {
     )
 }
 
-/// Sentence on the balances that the intervals by fit are of.
+/// Returns a sentence on the balances of the intervals by fit.
 fn tried(fits: &Fits) -> String {
     format!(
         "{} toleranced sizes (`[uncertain]`), each alone at both ends and all together where that moves lost motion, stiffness or a force most: \
@@ -52,7 +52,7 @@ fn tried(fits: &Fits) -> String {
     )
 }
 
-/// Sentences on the size to make better first, for lost motion and for stiffness.
+/// Returns sentences on the size with the largest effect, for lost motion and for stiffness.
 fn tighten(fits: &Fits) -> Vec<String> {
     let said = |def: &&FigureDef| {
         let first = fits.first(def)?;
@@ -69,7 +69,7 @@ fn tighten(fits: &Fits) -> Vec<String> {
         .collect()
 }
 
-/// Effect of the fits on the largest external force: of those that are toleranced, or of cuts of the profile.
+/// Returns the effect of fits on the largest external force: of toleranced sizes, or of profile cuts.
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
     if let Some(fits) = &bands.tolerances {
         let figure = bands.get(&defs::EXTERNAL_FORCE)?;
@@ -87,10 +87,10 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))
 }
 
-/// Label of a figure for which the scene's own law lies outside of the band.
+/// Label for a scene's law outside of the bands.
 pub(crate) const OUTSIDE: &str = "law";
 
-/// Rows of a terminal.
+/// Returns rows for a terminal.
 pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
     let mut rows = vec![("by contact law", about(bands))];
     rows.extend(outside(bands).map(|said| (OUTSIDE, said)));
@@ -114,7 +114,7 @@ pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Blocks of a page.
+/// Returns blocks for a page.
 pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
     let rows = TOLD.into_iter().filter_map(|def| bands.get(def));
     let rows = rows.filter_map(|one| Some((one, one.value?, one.by_contact_law?)));
@@ -139,7 +139,7 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
     said.into_iter().chain(tables).collect()
 }
 
-/// Table of what each toleranced size does alone.
+/// Returns a table of the effect of each toleranced size alone.
 fn tolerances(fits: &Fits) -> Block {
     let caption = format!("By fit, statics: {}", tried(fits));
     let mut table = Table::of(caption, &fits.keys)

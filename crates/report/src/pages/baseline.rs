@@ -1,4 +1,4 @@
-//! A check against a baseline: what moved, before and after, by how much it moved.
+//! Check against a baseline: changes before and after, by size.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ use pinwheel_studies::baseline::{
 };
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-/// One quantity of one case.
+/// Quantity of a case.
 type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 
-/// The page of a check against the baseline `name`.
+/// Returns the page of a check against the baseline `name`.
 #[must_use]
 pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
     let moved = moved(check);
-    // Entries that got worse stand open; entries that passed are folded.
+    // Worse entries are unfolded, passed ones folded.
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());
@@ -68,7 +68,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
     crate::pages::render(study, made)
 }
 
-/// Text for a terminal, without the place of the page: a line on each solver, and the cases that moved.
+/// Returns the text for a terminal, without the path of the page: a line for each solver, and the changed cases.
 #[must_use]
 pub fn text(name: &str, check: &Check) -> String {
     let (same, mut moved): (Vec<_>, Vec<_>) = check
@@ -93,7 +93,7 @@ pub fn text(name: &str, check: &Check) -> String {
     text.join("\n")
 }
 
-/// Text of a record for a terminal: how far off each solver is, and what is not in it.
+/// Returns the text of a record for a terminal: errors of each solver, and omitted cases.
 #[must_use]
 pub fn recorded(name: &str, record: &Record) -> String {
     let own = [name.to_owned()];
@@ -133,7 +133,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
         }
     };
     let lines = solvers.iter().map(of);
-    // A reason stands once, with all scenes that it is for.
+    // Each reason once, with all its scenes.
     let mut reasons: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
     for out in &record.left_out {
         let scenes = reasons.entry((&out.choice, &out.reason)).or_default();
@@ -147,7 +147,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
     joined("\n", lines.chain(left_out).chain(kept))
 }
 
-/// The baselines that there are, with the reasons for which they were accepted.
+/// Returns the list of baselines with the reasons for their acceptance.
 #[must_use]
 pub fn list(listed: &[Listed]) -> String {
     let mut text = String::new();
@@ -162,7 +162,7 @@ pub fn list(listed: &[Listed]) -> String {
     text
 }
 
-/// Quantities beyond their rounding, by how much they moved.
+/// Returns the quantities changed by more than rounding, sorted by the change.
 fn moved(check: &Check) -> Vec<Moved<'_>> {
     let all = check.cases.iter();
     let all = all.flat_map(|case| case.quantities.iter().map(move |quantity| (case, quantity)));
@@ -184,12 +184,12 @@ fn headline(verdict: Verdict) -> &'static str {
     }
 }
 
-/// One line on each solver.
+/// Returns one line for each solver.
 fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
     check.answers(name).into_iter().map(|answer| answer.text)
 }
 
-/// The stage that moved, of each case where it was sought: one line for all cases of which it is the same.
+/// Returns a line for each changed stage with its cases.
 fn stages(check: &Check) -> impl Iterator<Item = String> {
     let mut of: Vec<(&str, Vec<String>)> = Vec::new();
     for case in &check.cases {
@@ -220,7 +220,7 @@ fn mark(verdict: Verdict) -> Mark {
     }
 }
 
-/// `1e-5 > 2e-5`, or the one figure where both are the same.
+/// Returns `1e-5 > 2e-5`, or one figure if both are equal.
 fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> String {
     match before == after {
         true => words(after),
@@ -228,24 +228,24 @@ fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> Strin
     }
 }
 
-/// A scene and what solves it.
+/// Returns a scene and its solver.
 fn place(case: &CaseCheck) -> String {
     format!("{}, {}", case.scene, case.choice)
 }
 
-/// The quantity that moved most, if any did.
+/// Returns the quantity with the largest change, if any.
 fn most(case: &CaseCheck) -> Option<&QuantityCheck> {
     case.moved_most().filter(|moved| moved.change > 0.0)
 }
 
-/// The count that moved most, otherwise the first.
+/// Returns the count with the most urgent verdict, otherwise the first.
 fn count(case: &CaseCheck) -> Option<&CostCheck> {
     let moved = case.costs.iter();
     let moved = moved.filter(|cost| cost.verdict != Verdict::Same);
     moved.max_by_key(|cost| cost.verdict).or(case.costs.first())
 }
 
-/// A row a case: what moved most, and the count that moved most.
+/// Returns a table with a row for each case: the quantity and the count that changed most.
 fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) -> Table {
     Table::of(caption, cases)
         .text("", "Scene", |case| &case.scene)

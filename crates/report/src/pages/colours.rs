@@ -1,12 +1,12 @@
-//! One colour and dash for each engine, on every page the same.
+//! Colour and dash of each engine, equal on all pages.
 
 use std::collections::BTreeMap;
 
 use crate::COLOURS as COUNT;
 use pinwheel_engines::info;
 
-/// Style of each name: known engines have their own, others one that follows from their name. Two on one page share
-/// a colour only if there are more than [`COUNT`]; then they differ by dash.
+/// Returns the style of each name: fixed for known engines, otherwise derived from the name. Names on a page share a colour
+/// only beyond [`COUNT`] of them, and then have different dashes.
 pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
     let known = |name: &str| info(name).and_then(|info| info.colour);
     let mut taken: Vec<usize> = names.iter().filter_map(|n| known(n)).collect();
@@ -17,7 +17,7 @@ pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
                 let first = place(name);
                 let free = (0..COUNT).map(|k| (first + k) % COUNT);
                 let style = free.clone().find(|style| !taken.contains(style));
-                // Beyond all colours: the same ones again with other dashes.
+                // Beyond all colours they repeat with other dashes.
                 let style = style.unwrap_or(first + COUNT * (taken.len() / COUNT));
                 taken.push(style);
                 style
@@ -26,14 +26,14 @@ pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
         .collect()
 }
 
-/// Style of each name by the name.
+/// Returns the style of each name by the name.
 pub(crate) fn by_name<'a>(names: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
     let names: Vec<&str> = names.into_iter().collect();
     let styles = styles(&names);
     names.into_iter().zip(styles).collect()
 }
 
-/// A place that follows from the name alone (FNV-1a).
+/// Returns a number derived from the name alone (FNV-1a).
 fn place(name: &str) -> usize {
     let hash = pinwheel_files::fnv(name.bytes());
     (hash % COUNT as u64) as usize

@@ -1,4 +1,4 @@
-//! The page and the table of `pinwheel solver check`.
+//! Page and table of `pinwheel solver check`.
 
 use crate::pages::comparison::stages::blocks;
 use crate::study::{Section, Study, Tone, Verdict};
@@ -8,7 +8,7 @@ use pinwheel_studies::conformance::Outcome;
 use pinwheel_studies::junit::State;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// A state in a word, and how that is marked.
+/// Returns a state in a word, and its mark.
 fn shown(state: State) -> (&'static str, Mark) {
     match state {
         State::Passed => ("passed", Mark::Good),
@@ -27,7 +27,7 @@ fn headline(found: &Outcome) -> String {
     }
 }
 
-/// Every trial; for a terminal what it asks for stands only where it failed.
+/// Returns every trial; on a terminal requirements appear only for failed ones.
 fn table(found: &Outcome, terminal: bool) -> Table {
     let table = Table::of("Trials of the solver", &found.findings)
         .text("", "trial", |finding| finding.name)
@@ -46,7 +46,7 @@ fn table(found: &Outcome, terminal: bool) -> Table {
     table.done()
 }
 
-/// The table for a terminal.
+/// Returns the table for a terminal.
 #[must_use]
 pub fn text(found: &Outcome) -> String {
     let style = if found.passed() { GOOD } else { BAD };
@@ -65,7 +65,7 @@ pub fn text(found: &Outcome) -> String {
     )
 }
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let stages = found.stages.iter();

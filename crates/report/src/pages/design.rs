@@ -1,4 +1,4 @@
-//! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
+//! Page and text of a design: motion of the shafts, load sharing, and loads of the contacts.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ use crate::pages::{DOUBT, animation, band, doubts};
 use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
-/// True of figures that stand on the first screen.
+/// True for figures of the first screen.
 pub(crate) fn is_headline(def: &FigureDef) -> bool {
     let headlines = [
         &defs::LOST_MOTION,
@@ -39,7 +39,7 @@ pub(crate) fn is_headline(def: &FigureDef) -> bool {
     headlines.iter().any(|headline| headline.key == def.key)
 }
 
-/// Name and sentence of the parts whose compliance lost motion and stiffness contain.
+/// Returns name and sentence of the parts whose compliance lost motion and stiffness include.
 fn given_way(found: &DesignResult) -> (&'static str, String) {
     match found.budget.split_last() {
         None => (CONTACTS, CONTACTS_ONLY.to_owned()),
@@ -55,11 +55,11 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
 }
 
 const CONTACTS: &str = "contacts only";
-/// Sentence about lost motion and stiffness of a scene without bearings.
+/// Sentence on lost motion and stiffness of a scene without bearings.
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
@@ -154,7 +154,7 @@ fn files(found: &DesignResult) -> String {
     format!("<p class=\"about\">Drawings beside this page: {links}</p>")
 }
 
-/// Notes on the figures before they are used, and on the next step.
+/// Returns notes on the use of the figures, and on the next step.
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
     notes.extend(
@@ -213,7 +213,7 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// Text for a terminal; `whole`: with the rule by which each figure is counted.
+/// Returns the text for a terminal; `whole`: with the definition of each figure.
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = table("", &found.figures, |one| how(found, one));
@@ -221,7 +221,7 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     rows.extend(unsure(found));
     if !whole {
         table.columns.pop();
-        // What a figure is not told for is no detail.
+        // Reasons for missing figures are essential.
         let without = found.figures.iter();
         rows.extend(without.filter_map(|one| Some((&*one.def.label, one.withheld.clone()?))));
     }
@@ -240,7 +240,7 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     titled(&found.scene.name, parts)
 }
 
-/// Text for a terminal on a scene made of a catalogue's data.
+/// Returns the text for a terminal on a scene from catalogue data.
 #[must_use]
 pub fn draft(draft: &Draft) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
@@ -281,7 +281,7 @@ fn sentence(text: &str) -> String {
     }
 }
 
-/// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
+/// Returns the definition of a figure, its spread over the mesh, and the lost motion by statics.
 fn how(found: &DesignResult, one: &Figure) -> String {
     let statics = found.torsion.lost_motion_at_0_arcmin;
     let statics = statics.filter(|_| one.is(&defs::LOST_MOTION_RUN));
@@ -310,7 +310,7 @@ fn joint(joint: &Joint) -> Section {
         .with(Block::folded("Springs in parallel", springs))
 }
 
-/// Twist over torque, by statics and by a run.
+/// Returns the chart of twist over torque, by statics and by a run.
 pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
     for (k, (_, found)) in designs.iter().enumerate() {
@@ -354,7 +354,8 @@ fn torsion(found: &DesignResult) -> Section {
 /// Names of the loads of transmission errors and their orders.
 const LOADS: [&str; 2] = ["rated load", "no load"];
 
-/// Transmission error over the period of each, and its orders; of several designs those under the rated load.
+/// Returns charts of the transmission error over the period of each, and of its orders; for several designs under the rated
+/// load.
 pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
     let (mut series, mut spectrum) = (Vec::new(), Vec::new());
     for (k, (_, found)) in designs.iter().enumerate() {
@@ -364,7 +365,7 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             let error = line(&turn, &about_mean.collect::<Vec<_>>());
             series.push(of_design(designs, k, (n, load), error));
             if n > 0 && designs.len() > 1 {
-                continue; // Points have no dash that tells them apart.
+                continue; // Points have no dash to distinguish them.
             }
             let harmonics = of.harmonics.iter();
             let (orders, amplitudes): (Vec<f64>, Vec<f64>) = harmonics
@@ -408,7 +409,7 @@ fn transmission(found: &DesignResult) -> Section {
         .with(Block::folded("Largest orders", orders))
 }
 
-/// Table of the compliance budget, part by part.
+/// Returns the table of the compliance budget, by parts.
 fn budget(found: &DesignResult) -> Table {
     Table::of(
         "Compliance budget: what gives way, each part with all before it",
@@ -427,7 +428,7 @@ fn budget(found: &DesignResult) -> Table {
     .done()
 }
 
-/// The fitted rest, and what is not known of it.
+/// Describes the fitted compliance and its limitations.
 fn fitted(rest: &Rest) -> String {
     format!(
         "A fit, not a prediction: with bearings.output_torsion_n_m_rad={} the gear has the stated {} N m/arcmin. The rest is then {} % \

@@ -1,4 +1,4 @@
-//! Two designs side by side: page and text.
+//! Comparison of two designs: page and text.
 
 use crate::figure::{cell, number};
 use crate::format::{self, NONE, joined, significant};
@@ -17,17 +17,17 @@ use crate::pages::comparison::stages::blocks as stages;
 use crate::pages::design::{self, is_headline};
 use crate::pages::{animation, time_series};
 
-/// Keys that one reads before the figures; more are folded.
+/// Largest number of unfolded keys.
 const MANY: usize = 12;
 
-/// Figures of the time series that are shown where there is little room.
+/// Figures of the time series for the short list.
 const SERIES: [&str; 3] = [
     "input_torque_n_m mean",
     "external_sleeve_force_n peak",
     "internal_sleeve_force_n peak",
 ];
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(found: &DesignDiff, made: &Provenance) -> String {
     let [a, b] = &found.names;
@@ -57,7 +57,7 @@ pub fn page(found: &DesignDiff, made: &Provenance) -> String {
     crate::pages::render(study, made)
 }
 
-/// Text for a terminal.
+/// Returns the text for a terminal.
 #[must_use]
 pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
@@ -103,7 +103,7 @@ pub fn text(found: &DesignDiff) -> String {
     )
 }
 
-/// Means and peaks of the first window.
+/// Returns means and peaks of the first window.
 fn steady(found: &DesignDiff) -> impl Iterator<Item = &Diff> {
     let first = found.time_series.first();
     first.into_iter().flat_map(|(_, rows)| rows)
@@ -123,7 +123,7 @@ fn verdict(found: &DesignDiff) -> Verdict {
         )
     } else {
         let most = most(found).into_iter();
-        // `torsional stiffness × 43.5`.
+        // Formats e.g. `torsional stiffness × 43.5`.
         let most = most.map(|row| format!("{} {}", row.def.label, change(row)));
         match joined("; ", most).as_str() {
             "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
@@ -152,13 +152,13 @@ fn verdict(found: &DesignDiff) -> Verdict {
     }
 }
 
-/// The headline figures that differ most, largest change first.
+/// Returns the headline figures that differ, largest change first.
 fn most(found: &DesignDiff) -> Vec<&Diff> {
     const MOST: usize = 3;
     let differs = |row: &&Diff| row.judged == Judged::Differ && row.change().is_some();
     let rows = found.figures.iter().filter(|row| is_headline(&row.def));
     let mut rows: Vec<&Diff> = rows.filter(differs).collect();
-    // By the factor, whichever way.
+    // Size of the factor in either direction.
     let size = |share: f64| (1.0 + share).abs().ln().abs();
     let factor = |row: &Diff| row.change().map_or(0.0, size);
     rows.sort_by(|a, b| factor(b).total_cmp(&factor(a)));
@@ -170,7 +170,7 @@ fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// Value as a file would have it, for people to read.
+/// Returns a value of a scene file as text.
 fn value(value: Option<&Value>) -> String {
     match value {
         None => NONE.to_owned(),
@@ -221,7 +221,7 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     wanted.map(tile).collect()
 }
 
-/// A verdict in words, and its mark.
+/// Returns a verdict as text, and its mark.
 fn judged(row: &Diff) -> (&'static str, Mark) {
     match row.judged {
         Judged::Same => ("the same", Mark::Muted),
@@ -232,7 +232,7 @@ fn judged(row: &Diff) -> (&'static str, Mark) {
     }
 }
 
-/// Figures of both designs and their change.
+/// Returns a table of figures of both designs and their change.
 fn both<'a>(
     found: &DesignDiff,
     caption: &str,
@@ -250,7 +250,7 @@ fn both<'a>(
         .said(|row| change(row))
 }
 
-/// Figures of both designs, their change and the verdict on it.
+/// Returns a table of figures of both designs, their change and its verdict.
 fn table<'a>(found: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a Diff>) -> Block {
     let table = both(found, caption, rows)
         .text("", "Judged", |row| judged(row).0)
@@ -258,7 +258,7 @@ fn table<'a>(found: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a D
     table.into()
 }
 
-/// Keys with the values of both scenes.
+/// Returns a table of keys with the values of both scenes.
 fn keys<'a>(
     found: &DesignDiff,
     caption: &str,
@@ -344,7 +344,7 @@ fn curves(found: &DesignDiff) -> Section {
     Section::new("curves", "Side by side").with(charts)
 }
 
-/// Section with both designs in motion, over the time that both run.
+/// Returns the section with both designs in motion over their common time.
 fn motion(found: &DesignDiff) -> Option<Section> {
     let motion = animation::beside(&found.motion)?;
     Some(Section::new("motion", "Motion").with(motion))

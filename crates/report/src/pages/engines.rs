@@ -1,4 +1,4 @@
-//! The engines of a build, as a table.
+//! Table of the engines of a build.
 
 use crate::format::joined;
 use crate::terminal::{self, paragraph};

@@ -1,11 +1,11 @@
-//! Pages on a scene's model, its assumptions and its expected figures.
+//! Text on a scene's model, its assumptions and its expected figures.
 
 use crate::figure::number;
 use crate::terminal::{TITLE, list, pairs, paragraph, styled};
 use pinwheel_scene::{Line, Scene};
 use pinwheel_studies::explained::Explanation;
 
-/// Text for a terminal.
+/// Returns the text for a terminal.
 #[must_use]
 pub fn text(explanation: &Explanation<'_>) -> String {
     let title = paragraph(&crate::pages::title(explanation.scene));
@@ -76,11 +76,11 @@ fn shown(line: &Line) -> String {
     }
 }
 
-/// Lengths and angles, or forces.
+/// Returns figures of lengths and angles, or of forces.
 fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
     let lines = explanation.derived.lines(explanation.scene);
     let of = |line: &&Line| line.unit.starts_with('N') == forces;
-    // Without backlash the play is 0, and its line is left out.
+    // Without backlash the play is 0, and its line is omitted.
     let there = |line: &&Line| line.unit != "rad" || line.value != 0.0;
     let row = |line: &Line| [line.what.to_owned(), shown(line), line.how.to_owned()];
     lines.iter().filter(of).filter(there).map(row).collect()

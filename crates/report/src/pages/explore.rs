@@ -1,7 +1,7 @@
-//! The live page of a scene: sliders, two states of the gear side by side, and what a run and its balances say of each.
+//! Live page of a scene: sliders, two states of the gear side by side, and the results of a run and balances for each.
 //!
-//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`run`] and [`balances`] give what the study
-//! computed for it.
+//! The program `pinwheel explore` serves it: the page sends the values of a state, and [`run`] and [`balances`] format its
+//! computed results.
 
 use crate::format::significant;
 use crate::study::{Block, Study};
@@ -19,10 +19,10 @@ use serde_json::{Value, json};
 use crate::pages::animation::{Animation, drawn, markup};
 use crate::pages::design::{answer, is_headline};
 
-/// Motion of a state, as the page's script reads it, or in words why there is none.
+/// Returns the motion of a state for the page's script, or the reason for a missing one.
 ///
 /// # Errors
-/// There is nothing to show.
+/// No motion to draw.
 pub fn run(motion: Option<&Motion>) -> Result<Value, String> {
     moved(motion).map(|(view, mut series)| {
         series["view"] = view.json();
@@ -58,8 +58,8 @@ fn moved(motion: Option<&Motion>) -> Result<(Animation, Value), String> {
     Ok((view, told))
 }
 
-/// Figures of a state's balances that the page shows: what each is, its value, its unit, the value as it is shown, what bounds it,
-/// and its numerical uncertainty; and why a scene has no bands.
+/// Returns figures of a state's balances for the page: label, value, unit, formatted value, bounds, and numerical
+/// uncertainty; and the reason for missing bands.
 #[must_use]
 pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> Value {
     let shown = figures.iter().filter(|one| is_headline(&one.def));
@@ -105,7 +105,7 @@ pub fn sample(found: Option<[f64; 3]>) -> Value {
 /// The page of a scene, with its motion as both states.
 ///
 /// # Errors
-/// There is nothing to show, in words.
+/// No motion to draw, as text.
 pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result<String, String> {
     let (view, rest) = moved(motion)?;
     let views = [view.clone().titled("A"), view.titled("B")];

@@ -1,17 +1,17 @@
-//! The contact laws a scene can name.
+//! List of the available contact laws.
 
 use crate::format::joined;
 use crate::terminal::{TITLE, pairs, paragraph, styled};
 use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
 use serde_json::json;
 
-/// All laws, one after the other.
+/// Returns all laws as text.
 #[must_use]
 pub fn text() -> String {
     joined("\n", LAWS.iter().map(in_words))
 }
 
-/// All laws, one after the other, as JSON.
+/// Returns all laws as JSON.
 #[must_use]
 pub fn json() -> serde_json::Value {
     let each = LAWS.iter().map(|law| {

@@ -5,9 +5,8 @@
 //!                      └> comparison::text
 //! ```
 //!
-//! One file or folder a study, each a function of the study's outcome: nothing is read, written or printed here, and
-//! nothing is computed but what [`explore`] answers. Text holds escape sequences for styles
-//! ([`crate::terminal`]).
+//! One file or folder for each study, as functions of its result. They read, write and print nothing, and compute nothing
+//! except for the answers of [`explore`]. Text contains escape sequences for styles ([`crate::terminal`]).
 //!
 //! ```
 //! use pinwheel_report::terminal::plain;
@@ -43,7 +42,7 @@ use pinwheel_scene::{Assumption, CheckedScene, Scene};
 use pinwheel_studies::Provenance;
 use pinwheel_timeseries::figure::Figure;
 
-/// A page with what made it: the command, versions beside those that the study names, the machine.
+/// Renders a page with its origin: the command, versions beside those of the study, the machine.
 fn render(mut study: Study, made: &Provenance) -> String {
     study.command.clone_from(&made.command);
     for own in std::mem::replace(&mut study.versions, made.versions()) {
@@ -107,10 +106,10 @@ pub fn title(scene: &Scene) -> String {
     }
 }
 
-/// Label of what is hard to believe, or has no effect.
+/// Label of values that are doubtful, or have no effect.
 const DOUBT: &str = "doubt";
 
-/// Rows on what is hard to believe of a scene.
+/// Returns rows on doubtful values of a scene.
 fn doubts(scene: &CheckedScene) -> Vec<(&'static str, String)> {
     let doubts = pinwheel_scene::doubts(scene).into_iter();
     let said = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));

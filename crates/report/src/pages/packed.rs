@@ -1,19 +1,18 @@
-//! Compact time series: rounded to the digits that can be read, predicted, deflated, in base64.
+//! Compact time series: rounded to readable digits, predicted, deflated, in base64.
 //!
-//! A column is cut into blocks of [`BLOCK`] values. A block's values are integer multiples of a quantum, a power of two: of
-//! curves one for the whole column, of differences one for each block, so that a difference that decays by ten decades
-//! keeps its digits in every block. The page carries the distance of each value from its prediction, the continuation of a
-//! constant, a line or a parabola through the values before, as integers of variable length. Reader and writer
-//! compute the prediction from the same rounded values, so errors do not add up: no value is off by more than half a
-//! quantum of its block.
+//! A column is cut into blocks of [`BLOCK`] values, stored as integer multiples of a quantum, a power of two. Curves have
+//! one quantum for the column. Differences have one for each block, so that a difference that decays by ten decades keeps
+//! its digits. The page has the distance of each value from its prediction, the continuation of a constant, a line or a
+//! parabola through the previous values, as integers of variable length. Reader and writer predict from the same rounded
+//! values, so errors do not accumulate: the largest is half a quantum of the block.
 
 use crate::script;
 
-/// Values that share a quantum.
+/// Number of values with a common quantum.
 pub(crate) const BLOCK: usize = 32;
-/// Smallest quantum as a share of a column's largest value: what double precision holds.
+/// Smallest quantum over a column's largest value: the resolution of double precision.
 const FINEST: i32 = 46;
-/// A column that never reaches this is zero.
+/// Largest magnitude of a column that counts as zero.
 const TINY: f64 = 1e-280;
 
 /// Rounding of a column.
@@ -25,14 +24,14 @@ pub(crate) enum Rounding {
     OfBlock(i32),
 }
 
-/// Columns one after the other.
+/// Writer of columns in sequence.
 #[derive(Debug, Default)]
 pub(crate) struct Writer {
     bytes: Vec<u8>,
 }
 
 impl Writer {
-    /// Writes an integer that is not negative.
+    /// Writes a non-negative integer.
     pub(crate) fn number(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.bytes.push(value as u8 | 0x80);
@@ -46,7 +45,7 @@ impl Writer {
         self.number(((value << 1) ^ (value >> 63)) as u64);
     }
 
-    /// Rising places, e.g. of samples.
+    /// Writes increasing indices, e.g. of samples.
     pub(crate) fn places(&mut self, places: &[usize]) {
         self.number(places.len() as u64);
         let mut last = 0;
@@ -56,10 +55,10 @@ impl Writer {
         }
     }
 
-    /// A column; what is not finite is a gap.
+    /// Writes a column; non-finite values are gaps.
     pub(crate) fn column(&mut self, values: &[f64], rounding: Rounding) {
         self.number(values.len() as u64);
-        // Gaps as places where there is something and nothing by turns.
+        // Indices at which gaps begin and end alternately.
         let mut edges = Vec::new();
         let mut kept = Vec::with_capacity(values.len());
         for (k, value) in values.iter().enumerate() {
@@ -91,18 +90,18 @@ impl Writer {
         }
     }
 
-    /// Deflated, as base64.
+    /// Returns the deflated data as base64.
     pub(crate) fn finish(self) -> String {
         script::packed(&self.bytes)
     }
 }
 
-/// Power of two at or below a positive number.
+/// Returns the exponent of the power of two at or below a positive number.
 fn log2(value: f64) -> i32 {
     value.log2().floor() as i32
 }
 
-/// Each block's quantum as a power of two.
+/// Returns the quantum of each block as a power of two.
 fn exponents(values: &[f64], rounding: Rounding) -> Vec<i32> {
     let peak = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     // A column that is practically zero has no quantum.
@@ -129,7 +128,7 @@ fn exponents(values: &[f64], rounding: Rounding) -> Vec<i32> {
     values.chunks(BLOCK).map(of).collect()
 }
 
-/// Difference of each value from its prediction, in quanta.
+/// Returns the difference of each value from its prediction, in quanta.
 fn residuals(values: &[f64], exponents: &[i32], order: usize) -> Vec<i64> {
     let (mut one, mut two) = (0.0, 0.0);
     let mut list = Vec::with_capacity(values.len());
@@ -156,7 +155,7 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// Reader that does the work of the page's script, in the order of what was written.
+    /// Reader equivalent to the page's script.
     pub(crate) struct Reader {
         bytes: std::vec::IntoIter<u8>,
     }

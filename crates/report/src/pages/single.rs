@@ -15,7 +15,7 @@ use pinwheel_timeseries::figure::definitions::{FRICTION, SHARE_DELIVERED};
 use crate::pages::design::bears;
 use crate::pages::{DOUBT, animation, band, doubts, time_series};
 
-/// Results of a run, in words.
+/// Returns the results of a run as text.
 fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let of = |kind: &str, quantity: &str| {
@@ -69,7 +69,7 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// Results, settings and cost of a run that finished; `time_series`: where its samples are, if in a file.
+/// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
 #[must_use]
 pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     // What one runs it for comes first.

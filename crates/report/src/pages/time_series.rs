@@ -1,11 +1,11 @@
-//! The time series as the page carries them: one engine's values and the others' differences to it, [packed](crate::pages::packed).
+//! Time series of a page: one engine's values and the others' differences to it, [packed](crate::pages::packed).
 //!
-//! Differences are taken in 64 bits before they are rounded: of two engines that agree to 1e-9 the page still shows what
-//! parts them. What can be read is kept: values to five digits of the largest, differences to two digits or more of the
-//! millisecond around them. Every engine keeps its own samples: those of a recording are marks, not a line. Of runs with
-//! more samples than a page holds, those stay in which a stretch is smallest, largest, and its engines furthest apart:
-//! no peak is lost. Only where two samples a pixel are too many for every channel, channels are left out. Metrics never
-//! come from here.
+//! Differences are computed in 64 bits before rounding, so the page shows them also for engines that agree to 1e-9.
+//! Readable digits are stored: values to five digits of the largest, differences to two digits or more of the millisecond
+//! around them. Every engine keeps its own samples: those of a recording are marks, not a line. For runs with too many
+//! samples, each interval keeps those of the smallest value, the largest, and the largest difference: no peak is lost. If
+//! two samples a pixel are still too many for every channel, channels are omitted. Metrics are never computed from these
+//! data.
 
 use crate::script;
 use crate::study::{Block, escape};
@@ -18,22 +18,22 @@ use serde_json::{Value, json};
 use crate::pages::colours;
 use crate::pages::packed::{Rounding, Writer};
 
-/// Base64 characters the time series of one page may take; with the rest it stays below 2 MB.
+/// Largest size of a page's time series, base64 characters; the complete page stays below 2 MB.
 const BUDGET: usize = 1_180_000;
-/// Channels of one group that are always worth drawing before the budget is broken.
+/// Least number of channels of a group, drawn even beyond the budget.
 const FEW_CHANNELS: usize = 4;
-/// Samples of a channel that are kept before channels are left out: two a pixel.
+/// Least number of samples of a channel before channels are omitted: two a pixel.
 const FEW_SAMPLES: usize = 2400;
-/// Binary digits of values, of the channel's largest.
+/// Binary digits of values, relative to the channel's largest.
 const VALUE_DIGITS: i32 = 16;
-/// Binary digits of differences, of their root mean square nearby: the most, and what two decimal digits need.
+/// Binary digits of differences, relative to their root mean square nearby, from the most to those of two decimal digits.
 const DIFFERENCE_DIGITS: [i32; 3] = [7, 6, 5];
-/// Sample times this close, relative to the time, are one.
+/// Relative distance within which sample times are equal.
 const SAME_TIME: f64 = 1e-9;
 
-/// Time series of the participants of a comparison, one quantity at a time: values, and differences to any of them. Engines have the
-/// colours that they have on every page, other participants (`in_order`) those of their order. `None` if nobody has any; one on a
-/// page at most.
+/// Returns time series of the participants of a comparison, one quantity at a time: values, and differences to any of them.
+/// Engines have their fixed colours, other participants (`in_order`) those of their order. `None` without time series; at
+/// most one on a page.
 pub(crate) fn block(
     comparison: &Comparison,
     participants: &[Participant],
@@ -63,17 +63,17 @@ pub(crate) fn block(
 struct ChartData {
     /// Sample times, s.
     time: Spaced,
-    /// Name, track, colour and dash, places of its samples among the times, and whether these are too far apart for a line.
+    /// Name, track, colour and dash, indices of its samples among the times, and a flag for marks instead of a line.
     engines: Vec<Value>,
     quantities: Vec<ChartQuantity>,
     windows: Vec<Value>,
-    /// Indices of the first drawing: a quantity, one of its channels, and the engine that differences are taken to.
+    /// Indices of the first drawing: a quantity, one of its channels, and the engine for differences.
     first: [usize; 3],
-    /// Notes for the reader on the parts that the charts leave out.
+    /// Notes on omitted parts.
     notes: Vec<String>,
 }
 
-/// Rising numbers: evenly spaced ones, or a list.
+/// Increasing numbers: evenly spaced ones, or a list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 enum Spaced {
@@ -86,7 +86,8 @@ struct ChartQuantity {
     name: String,
     label: String,
     unit: String,
-    /// Uncertainty of an engine of track `measured` against another, about 95 %, in the unit: `[engine, other, half width]`.
+    /// Uncertainty of an engine of track `measured` against another, about 95 %, in the unit: `[engine, other, half
+    /// width]`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     bands: Vec<(usize, usize, f64)>,
     channels: Vec<ChartChannel>,
@@ -96,13 +97,13 @@ struct ChartQuantity {
 struct ChartChannel {
     /// Number within the group, or empty.
     label: String,
-    /// Engines that have it, by number.
+    /// Numbers of the engines with this channel.
     engines: Vec<usize>,
-    /// Places of the samples kept (none: all), values of the first of these engines, differences of the others to it.
+    /// Indices of the stored samples (none: all), values of the first of these engines, differences of the others to it.
     packed: String,
 }
 
-/// A participant and where its samples stand among the times of the first.
+/// Participant with the indices of its samples among the times of the first.
 struct Drawn<'a> {
     participant: &'a Participant,
     /// Colour and dash.
@@ -111,8 +112,8 @@ struct Drawn<'a> {
 }
 
 impl ChartData {
-    /// Chooses engines, channels and samples and packs them; `None` if nobody has time series. `in_order`: participants are no
-    /// engines with colours of their own.
+    /// Selects and packs engines, channels and samples; `None` without time series. `in_order`: participants are not
+    /// engines with fixed colours.
     fn of(comparison: &Comparison, participants: &[Participant], in_order: bool) -> Option<Self> {
         let mut notes = Vec::new();
         let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
@@ -156,8 +157,8 @@ impl ChartData {
     }
 }
 
-/// Participants with something to draw, the first being what the others are stored against: a finished native run if there
-/// is one, because that differs least from most; the one with most samples, so that the others' stand among its times.
+/// Returns participants with time series. The first is the base for differences: a finished native run if there is one,
+/// because most others are close to it; the one with most samples, so that the others' are among its times.
 fn drawn<'a>(
     participants: &'a [Participant],
     styles: &[usize],
@@ -177,7 +178,7 @@ fn drawn<'a>(
     let Some(&(_, base)) = list.first() else {
         return Vec::new();
     };
-    // Engines keep their given order in the legend; only the first entry stays first.
+    // Engines keep their order in the legend, except for the first entry.
     list[1..].sort_by_key(|(place, _)| *place);
     let mut drawn = Vec::new();
     for (place, participant) in list {
@@ -196,7 +197,7 @@ fn drawn<'a>(
     drawn
 }
 
-/// Places of `times` among `all`; `None` if one is not there.
+/// Returns the indices of `times` among `all`; `None` if one is missing.
 fn standing(times: &[f64], all: &[f64]) -> Option<Vec<usize>> {
     let mut at = 0;
     let place = |t: &f64| {
@@ -209,26 +210,25 @@ fn standing(times: &[f64], all: &[f64]) -> Option<Vec<usize>> {
     times.iter().map(place).collect()
 }
 
-/// Part of the time series that is drawn.
+/// Size of the drawn time series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
-    /// Channels of a group at most.
+    /// Largest number of channels of a group.
     channels: usize,
-    /// Samples of a channel at most.
+    /// Largest number of samples of a channel.
     samples: usize,
     /// Binary digits of differences.
     digits: i32,
 }
 
-/// All that fits: digits that nobody reads go first, then samples between peaks, then channels.
+/// Reduces the plan to the budget: first invisible digits, then samples between peaks, then channels.
 fn fitting(
     whole: Plan,
     quantities: &[Quantity],
     drawn: &[Drawn<'_>],
 ) -> (Plan, Vec<ChartQuantity>) {
     let mut plan = whole;
-    // Packing the whole of a long run only to see that it is too long would take its time: a value is never
-    // smaller than a quarter of a byte.
+    // Skips packing of a long run that is certainly too large: a value takes at least a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
     plan.samples = plan
         .samples
@@ -244,7 +244,7 @@ fn fitting(
         if size <= BUDGET {
             return (plan, packed);
         }
-        // A little less than in proportion, so that a few rounds do.
+        // Slightly less than in proportion, so that few rounds suffice.
         let fit = |count: usize| count.saturating_mul(BUDGET) / size * 49 / 50;
         let digits = DIFFERENCE_DIGITS.iter().find(|d| **d < plan.digits);
         if let Some(&digits) = digits {
@@ -260,7 +260,7 @@ fn fitting(
 }
 
 impl Plan {
-    /// Appends notes on what the plan leaves out.
+    /// Appends notes on the parts that the plan omits.
     fn tell(self, whole: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
@@ -301,7 +301,7 @@ fn spaced(at: Vec<f64>) -> Spaced {
     Spaced::Listed { at }
 }
 
-/// Quantity, channel and engine to look at first: measured data against the first engine; else what differs, else
+/// Returns quantity, channel and engine of the first view: measured data against the first engine; else a difference, else
 /// external forces, else the first quantity.
 fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuantity]) -> [usize; 3] {
     let rig = |d: &Drawn<'_>| d.participant.track == SharedModel::Measured;
@@ -325,7 +325,7 @@ fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuanti
     [differs.or(force).unwrap_or(0), 0, 0]
 }
 
-/// The budget of every comparison with measured data, in the quantity's unit.
+/// Returns the uncertainty of every comparison with measured data, in the quantity's unit.
 fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(usize, usize, f64)> {
     let place = |name: &str| drawn.iter().position(|d| d.participant.name == name);
     let mut found = Vec::new();
@@ -373,7 +373,7 @@ fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuanti
     }
 }
 
-/// `None` if nobody has the channel. The others are stored against the first of those with most samples of it.
+/// Returns a channel; `None` if no engine has it. The base for differences is the first engine with most samples of it.
 fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<ChartChannel> {
     let all = drawn.first()?.places.len();
     let mut order: Vec<usize> = (0..drawn.len())
@@ -386,7 +386,7 @@ fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<C
     for (place, value) in first.places.iter().zip(values) {
         base[*place] = *value;
     }
-    // Differences to the first at an engine's own places.
+    // Differences to the first at an engine's own samples.
     let having = order.into_iter().filter_map(|k| {
         let d = &drawn[k];
         let values = d.participant.time_series.channel(name)?;
@@ -419,12 +419,12 @@ fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<C
     })
 }
 
-/// The samples that stay where there are more than `most`, rising; none where all do.
+/// Returns the indices of stored samples if there are more than `most`, increasing; empty to store all.
 fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec<usize> {
     if base.len() <= most {
         return Vec::new();
     }
-    // At most three of every stretch; its first too, so that ends stay.
+    // At most four of every interval, among them its first.
     let stretch = (4 * base.len()).div_ceil(most);
     let mut apart = vec![0.0f64; base.len()];
     let mut kept: Vec<usize> = Vec::new();
@@ -432,7 +432,7 @@ fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec
         for (place, value) in differences {
             apart[*place] = apart[*place].max(value.abs());
         }
-        // Few samples, as of a recording, all stay.
+        // Few samples, as of a recording, are all stored.
         if 8 * differences.len() < most {
             kept.extend(differences.iter().map(|(place, _)| place));
         }
@@ -571,7 +571,7 @@ mod tests {
         );
         for k in 0..601 {
             assert!((base[k] - wanted[k]).abs() < 3e-5, "{k}");
-            // Stored as a difference it keeps digits of its own.
+            // A stored difference has its own digits.
             assert!((peer[k] - 1e-6 * wanted[k]).abs() < 2e-8, "{k}");
             assert_eq!(rig[k].is_nan(), k < 100, "{k}");
         }

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// One chart.
+/// Chart of a study.
 ///
 /// ```
 /// use pinwheel_report::study::{Axis, Chart, Section, Series, Study, Style, render};
@@ -27,12 +27,12 @@ pub struct Chart {
     pub y: Axis,
     /// Curves; the order gives colour and dash.
     pub series: Vec<Series>,
-    /// A sentence below the chart; may be empty.
+    /// Sentence below the chart; may be empty.
     pub note: String,
 }
 
 impl Chart {
-    /// A chart without a note.
+    /// Creates a chart without a note.
     pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self {
             title: title.into(),
@@ -44,17 +44,17 @@ impl Chart {
     }
 }
 
-/// An axis of a [`Chart`].
+/// Axis of a [`Chart`].
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Axis {
     /// Name and unit, e.g. `Time (s)`.
     pub label: String,
-    /// True for a logarithmic axis: values that are not positive are left out.
+    /// True for a logarithmic axis, which omits values that are not positive.
     pub log: bool,
 }
 
 impl Axis {
-    /// A linear axis.
+    /// Creates a linear axis.
     pub fn linear(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -62,7 +62,7 @@ impl Axis {
         }
     }
 
-    /// A logarithmic axis.
+    /// Creates a logarithmic axis.
     pub fn log(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -71,8 +71,7 @@ impl Axis {
     }
 }
 
-/// One curve. Values that are not finite are gaps. `x` of a [`Style::Line`] must rise; points may
-/// come in any order.
+/// Curve of a chart. Non-finite values are gaps. `x` of a [`Style::Line`] must increase; points may come in any order.
 #[derive(Debug, Clone, Default)]
 pub struct Series {
     /// Name in the legend.
@@ -81,17 +80,16 @@ pub struct Series {
     pub style: Style,
     /// Horizontal values.
     pub x: Vec<f64>,
-    /// Vertical values, as many.
+    /// Vertical values, of the same number.
     pub y: Vec<f64>,
-    /// Labels of the points for a reader who points at one (e.g. its step); empty, or as many as values.
+    /// Labels of the points under the cursor (e.g. the step); empty, or one for each value.
     pub tags: Vec<String>,
-    /// Number of colour and dash, if not those of the curve's place in the list: curves of one thing in several
-    /// charts share a colour.
+    /// Number of colour and dash, if not by the order of curves: related curves in several charts share a colour.
     pub colour: Option<usize>,
 }
 
 impl Series {
-    /// A line.
+    /// Creates a line.
     pub fn line(label: impl Into<String>, x: impl Into<Vec<f64>>, y: impl Into<Vec<f64>>) -> Self {
         Self {
             label: label.into(),
@@ -112,18 +110,19 @@ impl Series {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {
-    /// A line.
+    /// Line.
     #[default]
     Line,
     /// Points.
     Points,
     /// Points joined by a line.
     Both,
-    /// A thin dashed line: a limit, a slope, a prediction.
+    /// Thin dashed line: a limit, a slope, a prediction.
     Dashed,
 }
 
-/// A chart as the page's script reads it: `grids` are the distinct horizontal values, base64 of little-endian 32-bit floats.
+/// Returns a chart for the page's script: `grids` are the distinct horizontal values, base64 of little-endian 32-bit
+/// floats.
 pub(super) fn json(chart: &Chart) -> Value {
     let mut grids: Vec<String> = Vec::new();
     let series = chart.series.iter().enumerate().map(|(place, series)| {
@@ -150,8 +149,8 @@ pub(super) fn json(chart: &Chart) -> Value {
     json!({ "title": chart.title, "x": chart.x, "y": chart.y, "grids": grids, "series": series })
 }
 
-/// Returns the points of a curve with rising `x`, as the plotting library requires. Points without a finite `x`
-/// are left out.
+/// Returns the points of a curve with increasing `x`, as required by the plotting library. Points without a finite `x` are
+/// omitted.
 fn ordered(series: &Series) -> (Vec<f64>, Vec<f64>, Vec<&str>) {
     let count = series.x.len().min(series.y.len());
     let mut order: Vec<usize> = (0..count).filter(|&k| series.x[k].is_finite()).collect();

@@ -1,8 +1,7 @@
-//! Pages of studies: one shell for every page.
+//! Pages of studies with a common layout.
 //!
-//! A [`Study`] is data: sections of text, tables and charts. [`render`] turns it into one
-//! self-contained page: it opens without a network, reads without a script (but for the charts),
-//! and works on a phone, in the dark and on paper.
+//! A [`Study`] is data: sections of text, tables and charts. [`render`] converts it to one self-contained page, which opens
+//! without a network, is readable without a script (except for charts), and works on a phone, in dark mode and on paper.
 //!
 //! ```
 //! use pinwheel_report::study::{Section, Study, render};
@@ -29,17 +28,17 @@ pub use pinwheel_files::output::escape;
 pub use pinwheel_timeseries::table::Mark;
 use pinwheel_timeseries::table::{Table, TableOf};
 
-/// Everything on one study's page. Strings may hold any characters: all are escaped, except
-/// [`Block::Html`]; `` `backticks` `` in running text become code.
+/// Content of a study's page. Strings may have any characters: all are escaped, except [`Block::Html`]; `` `backticks` ``
+/// in text become code.
 #[derive(Debug, Clone, Default)]
 pub struct Study {
     /// Heading and title of the page, e.g. `paper`.
     pub title: String,
-    /// Small line above the heading: what kind of study this is.
+    /// Small line above the heading: the kind of study.
     pub eyebrow: String,
-    /// One or two sentences below the heading.
+    /// Text of one or two sentences below the heading.
     pub lead: String,
-    /// The answer in one line, if the study has one.
+    /// Answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
     /// Answers to the questions of a decision ([`Question`]), as far as the study has them.
     pub decision: Decision,
@@ -47,32 +46,32 @@ pub struct Study {
     pub top: Vec<Block>,
     /// Title of the figures; may be empty.
     pub tiles_title: String,
-    /// The few figures that matter most.
+    /// Main figures.
     pub tiles: Vec<Tile>,
     /// Blocks below the figures.
     pub below: Vec<Block>,
-    /// Blocks beside answer and figures, if there is something to look at.
+    /// Blocks beside answer and figures, for example an animation.
     pub aside: Vec<Block>,
-    /// The study itself, in order; each has a link in the top bar.
+    /// Sections in order; each has a link in the top bar.
     pub sections: Vec<Section>,
-    /// The command that repeats this study.
+    /// Command that repeats this study.
     pub command: String,
     /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
-    /// Time at which the page was made, for its foot; `None` keeps the page the same byte for byte.
+    /// Date for the foot of the page; `None` for pages equal byte for byte.
     pub made: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
-    /// The machine, e.g. (`processor`, ...), (`operating system`, ...).
+    /// Description of the machine, e.g. (`processor`, ...), (`operating system`, ...).
     pub machine: Vec<(String, String)>,
 }
 
-/// The answer of a study in one line.
+/// Answer of a study in one line.
 #[derive(Debug, Clone)]
 pub struct Verdict {
-    /// Tone that shows whether all requirements of the study hold.
+    /// Tone: good if all requirements of the study are met.
     pub tone: Tone,
-    /// The answer.
+    /// Text of the answer.
     pub headline: String,
     /// Reasons for the verdict.
     pub detail: String,
@@ -81,34 +80,34 @@ pub struct Verdict {
 /// Tone of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
-    /// All that is asked for holds.
+    /// All requirements are met.
     Good,
-    /// Something that is asked for does not hold.
+    /// At least one requirement is violated.
     Bad,
-    /// A finding: there was no condition to meet.
+    /// Finding without a requirement.
     Neutral,
-    /// No conclusion: the study showed nothing either way.
+    /// Inconclusive.
     Open,
 }
 
 impl Tone {
-    /// Good or bad.
+    /// Returns good or bad.
     #[must_use]
     pub fn of(good: bool) -> Self {
         if good { Self::Good } else { Self::Bad }
     }
 }
 
-/// One figure in large type.
+/// Figure in large type.
 #[derive(Debug, Clone, Default)]
 pub struct Tile {
     /// Name of the figure.
     pub label: String,
-    /// The figure, formatted (see [`crate::format`]).
+    /// Formatted value (see [`crate::format`]).
     pub value: String,
     /// Unit of the figure, or empty.
     pub unit: String,
-    /// Bounds of the figure, or the value that it is compared with.
+    /// Bounds of the figure, or a value for comparison.
     pub detail: String,
     /// Mark of the figure.
     pub mark: Mark,
@@ -148,7 +147,7 @@ impl Question {
 }
 
 impl Tile {
-    /// A figure without a unit.
+    /// Creates a figure without a unit.
     pub fn new(
         label: impl Into<String>,
         value: impl Into<String>,
@@ -172,20 +171,20 @@ impl Tile {
     }
 }
 
-/// A part of the page with a heading.
+/// Part of the page with a heading.
 #[derive(Debug, Clone, Default)]
 pub struct Section {
     /// Anchor: lower-case letters, digits and `-`; unique on the page. Not `top`, `main` or
     /// `reproduce`.
     pub id: String,
-    /// Heading; also the link's text in the top bar, so short.
+    /// Heading and text of the link in the top bar, so short.
     pub title: String,
-    /// Content of the section. [`Block::Details`] alone folds all of the section behind its title; print leaves it out.
+    /// Content of the section. A single [`Block::Details`] folds the section behind its title, and print omits it.
     pub blocks: Vec<Block>,
 }
 
 impl Section {
-    /// A section without blocks.
+    /// Creates a section without blocks.
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self {
             id: id.into(),
@@ -211,70 +210,69 @@ impl Section {
     }
 }
 
-/// A piece of a section.
+/// Block of a section.
 #[derive(Debug, Clone)]
 pub enum Block {
-    /// A heading inside the section.
+    /// Heading inside the section.
     Heading(String),
-    /// A paragraph.
+    /// Paragraph.
     Text(String),
-    /// Points, one sentence or two each.
+    /// List of points, one or two sentences each.
     List(Vec<String>),
     /// Questions with their answers.
     Facts(Vec<Fact>),
     /// Questions with their answers, side by side.
     Columns(Vec<Fact>),
-    /// A table that can be sorted.
+    /// Sortable table.
     Table(Table),
-    /// Charts, side by side where there is room.
+    /// Charts, side by side if there is room.
     Charts(Vec<Chart>),
-    /// Figures over parameters, with a choice of axes.
+    /// Figures over parameters, with selectable axes.
     Grid(Grid),
-    /// Blocks behind a line that opens them.
+    /// Blocks folded behind a line.
     Details {
-        /// The line.
+        /// Text of the line.
         summary: String,
-        /// Blocks behind the line.
+        /// Folded blocks.
         blocks: Vec<Block>,
     },
-    /// Entry of a list that folds.
+    /// Entry of a list with details.
     Item(Item),
-    /// Table that the page's script makes once its line is opened, because few readers open every table.
+    /// Folded table, which the page's script makes when opened, because few readers open every table.
     Later {
-        /// The line.
+        /// Text of the line.
         summary: String,
-        /// Table behind the line.
+        /// Folded table.
         table: Table,
     },
-    /// Text as a terminal or a file shows it.
+    /// Text of a terminal or a file.
     Code(String),
-    /// Markup that scripts fill, with the plotting library at hand.
+    /// Markup that scripts fill, with the plotting library available.
     Live {
-        /// The markup, placed as it is.
+        /// Markup, inserted unchanged.
         markup: String,
         /// Elements with its data and code, for the end of the page (see [`crate::script`]).
         scripts: String,
-        /// True if the scripts ask the program that serves the page.
+        /// True if the scripts query the program that serves the page.
         asks: bool,
     },
-    /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
-    /// anything from elsewhere is not.
+    /// Markup of this program, inserted unchanged. Inline styles and scripts are allowed, external ones are not.
     Html(String),
 }
 
-/// A question in a word or two, its answer in a sentence, and how that is marked.
+/// Question in a word or two, answer in a sentence, and its mark.
 #[derive(Debug, Clone)]
 pub struct Fact {
-    /// The question.
+    /// Label of the question.
     pub label: String,
-    /// The answer.
+    /// Text of the answer.
     pub text: String,
     /// Mark of the answer.
     pub mark: Mark,
 }
 
 impl Fact {
-    /// A fact.
+    /// Creates a fact.
     pub fn new(label: impl Into<String>, mark: Mark, text: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -284,7 +282,7 @@ impl Fact {
     }
 }
 
-/// Entry of a list that folds: its name, its verdict, and the details behind it.
+/// Entry of a list: name, verdict, and folded details.
 #[derive(Debug, Clone, Default)]
 pub struct Item {
     /// Anchor.
@@ -293,23 +291,23 @@ pub struct Item {
     pub name: String,
     /// Mark of the verdict.
     pub mark: Mark,
-    /// Verdict in words.
+    /// Text of the verdict.
     pub said: String,
-    /// Place of the verdict: its quantity and window.
+    /// Quantity and window of the verdict.
     pub beside: String,
     /// True if the item is unfolded at first.
     pub open: bool,
-    /// Blocks behind the item's line.
+    /// Folded blocks.
     pub blocks: Vec<Block>,
 }
 
 impl Block {
-    /// A heading inside a section.
+    /// Creates a heading inside a section.
     pub fn heading(text: impl Into<String>) -> Self {
         Self::Heading(text.into())
     }
 
-    /// Blocks behind a line that opens them.
+    /// Creates blocks folded behind a line.
     pub fn folded(summary: impl Into<String>, blocks: impl Into<Blocks>) -> Self {
         Self::Details {
             summary: summary.into(),
@@ -318,7 +316,7 @@ impl Block {
     }
 }
 
-/// A block or several; strings are paragraphs.
+/// One or several blocks; strings are paragraphs.
 #[derive(Debug, Clone, Default)]
 pub struct Blocks(pub Vec<Block>);
 

@@ -1,4 +1,4 @@
-//! A study's page as markup: blocks are rendered one by one, so that they can hold each other.
+//! Markup of a study's page: blocks are rendered one by one, so that they can be nested.
 
 use pinwheel_files::output::escape;
 use pinwheel_timeseries::table::{Column, Table};
@@ -8,21 +8,21 @@ use super::{Block, Chart, Fact, Item, Mark, Section, Study, Tile, Tone, Verdict,
 use crate::format::joined;
 use crate::{script, table};
 
-/// Drawings of the page's scripts, in the order of its blocks.
+/// Data for the page's scripts, in the order of its blocks.
 #[derive(Default)]
 struct Drawn<'a> {
     charts: Vec<&'a Chart>,
-    /// Tables that are made when they are opened, in words.
+    /// Tables made when opened, as text.
     later: Vec<Value>,
-    /// True if a block lets the reader choose axes.
+    /// True if a block has selectable axes.
     grids: bool,
     /// Data and code of live parts.
     live: Vec<&'a str>,
-    /// True if the page asks the program that serves it.
+    /// True if the page queries the program that serves it.
     asks: bool,
 }
 
-/// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
+/// Renders a study's page. The page depends on the study alone: equal studies give equal bytes.
 #[must_use]
 pub fn render(study: &Study) -> String {
     let mut drawn = Drawn::default();
@@ -71,13 +71,13 @@ pub fn render(study: &Study) -> String {
     )
 }
 
-/// Markup of every one, one after the other.
+/// Joins the markup of all items.
 fn each<T>(all: &[T], html: impl FnMut(&T) -> String) -> String {
     all.iter().map(html).collect()
 }
 
 impl Drawn<'_> {
-    /// The data of what is drawn, and the scripts that draw it.
+    /// Returns the data of drawings, and the scripts that draw them.
     fn scripts(&self) -> String {
         let mut all = script::code(include_str!("../../assets/shell.js"));
         all += &script::code(include_str!("../../assets/packed.js"));
@@ -148,7 +148,7 @@ fn tile_list<'a>(class: &str, list: impl IntoIterator<Item = &'a Tile>) -> Strin
     }
 }
 
-/// Names and values below a title; nothing without any.
+/// Returns names and values below a title; empty without any.
 fn pairs(title: &str, list: &[(String, String)]) -> String {
     let pair = |(name, value): &(String, String)| {
         format!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(value))
@@ -179,7 +179,7 @@ fn section<'a>(section: &'a Section, drawn: &mut Drawn<'a>) -> String {
     format!("<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n{body}</section>\n")
 }
 
-/// The blocks' markup; what is drawn is collected for the page's scripts.
+/// Returns the blocks' markup; collects drawings for the page's scripts.
 fn blocks<'a>(blocks: &'a [Block], drawn: &mut Drawn<'a>) -> String {
     let html = blocks.iter().map(|block| block_html(block, drawn) + "\n");
     html.collect()
@@ -306,14 +306,14 @@ fn table_html(table: &Table) -> String {
     )
 }
 
-/// Label of a fact, its class, and its text with the sign of its mark.
+/// Returns label of a fact, class, and text with the sign of its mark.
 fn fact_parts(fact: &Fact) -> [String; 3] {
     let (class, sign) = sign(fact.mark);
     let said = format!("{sign}{}", inline(&fact.text));
     [escape(&fact.label), class.to_owned(), said]
 }
 
-/// A cell; the `first` names the row.
+/// Returns a cell; the `first` is the row's heading.
 fn cell(column: &Column, row: usize, first: bool) -> String {
     let (mark, sign) = sign(table::mark(column, row));
     let mut body = inline(&table::words(column, row));
@@ -349,7 +349,7 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
     format!("<{tag}{attributes}>{sign}{body}</{tag}>")
 }
 
-/// The class of what is marked so, and the sign before it.
+/// Returns the class of a mark, and its sign.
 fn sign(mark: Mark) -> (&'static str, &'static str) {
     match mark {
         Mark::None => ("", ""),
@@ -369,12 +369,12 @@ fn sign(mark: Mark) -> (&'static str, &'static str) {
     }
 }
 
-/// Escaped text in which `` `these` `` are code.
+/// Returns escaped text in which `` `these` `` are code.
 fn inline(text: &str) -> String {
     let text = escape(text);
     let parts: Vec<&str> = text.split('`').collect();
     if parts.len().is_multiple_of(2) {
-        return text; // a lone backtick is itself
+        return text; // a lone backtick stays
     }
     let part = |(k, part): (usize, &&str)| match k % 2 {
         0 => (*part).to_owned(),

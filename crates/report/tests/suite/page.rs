@@ -1,4 +1,4 @@
-//! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
+//! Pages describe the comparison, load nothing, and cannot be broken by any scene.
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
@@ -33,7 +33,7 @@ fn time_series(scale: f64, channels: usize, samples: u32) -> TimeSeries {
     time_series
 }
 
-/// Time series that no prediction shortens.
+/// Returns time series that no prediction shortens.
 fn rough(channels: usize, samples: u32) -> TimeSeries {
     let mut rough = time_series(1.0, 0, samples);
     let mut state = 1u64;
@@ -102,7 +102,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     pinwheel_report::pages::comparison::page(&found, &made)
 }
 
-/// Every participant is known to 2e-5.
+/// Returns a comparison in which every participant has an uncertainty of 2e-5.
 fn judged(context: &Context, participants: &[Participant]) -> Comparison {
     let known = |participant: &Participant| Evidence {
         engine: participant.name.clone(),
@@ -161,7 +161,7 @@ fn banner_follows_the_verdict() {
     assert!(page.contains("diverged at t = 0.250000 s: disc angle"));
 }
 
-/// An engine that was left out beforehand is no finding, and the terminal says so too.
+/// An engine excluded beforehand is no finding, as the terminal states too.
 #[test]
 fn who_is_left_out_breaks_nothing() {
     let [one, other] = two(1.0);
@@ -175,7 +175,7 @@ fn who_is_left_out_breaks_nothing() {
     assert!(page.contains("give it more time") && page.contains("<dt>left out</dt>"));
 }
 
-/// Results of an engine that diverged feed no headline, whatever numbers it left.
+/// Results of a diverged engine never appear in a headline.
 #[test]
 fn a_diverged_engine_feeds_no_headline() {
     let mut broken = two(1.0);

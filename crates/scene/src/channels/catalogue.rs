@@ -1,29 +1,29 @@
-//! Every channel that a scene can ask for: names, numbers, what they are.
+//! Catalogue of channels: names, numbers and meanings.
 //!
-//! A channel is asked for by the name of its column. A name ends in its unit and, where there are
-//! several of a kind, in a number (the pin's or the disc's); a pair of disc and pin begins
-//! with the disc's. `*` stands for any characters.
+//! A scene selects a channel by the name of its column. A name ends in its unit and, for channels of several parts, in a
+//! number (the pin's or the disc's); names of a pair of disc and pin begin with the disc's number. `*` matches any
+//! characters.
 
 use pinwheel_files::fits;
 
 use crate::layout::{Layout, Sleeve};
 
-/// Quantity of a pair of disc and pin that a column can hold.
+/// Quantity of a pair of disc and pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairQuantity {
-    /// Pin radius less distance, m.
+    /// Penetration: pin radius less distance, m.
     Penetration,
     /// Rate of the penetration, m/s.
     NormalVelocity,
-    /// Sliding along R90 n, m/s.
+    /// Sliding velocity along R90 n, m/s.
     TangentialVelocity,
-    /// K of the law.
+    /// Stiffness K of the law.
     Stiffness,
     /// The disc's closest point, x, m.
     PointX,
     /// Contact point y, m.
     PointY,
-    /// F_n, N.
+    /// Normal force F_n, N.
     NormalForce,
     /// Friction on the pin along R90 n, N.
     FrictionForce,
@@ -31,7 +31,7 @@ pub enum PairQuantity {
     ForceX,
     /// Force y, N.
     ForceY,
-    /// p0 of a line contact, Pa.
+    /// Pressure p0 of a line contact, Pa.
     Pressure,
     /// p0 times the sliding speed, W/m^2.
     PressureSliding,
@@ -46,37 +46,37 @@ pub enum Joint {
     Output,
     /// Disc on its eccentric.
     Eccentric,
-    /// Ring pin on its pin.
+    /// Sleeve of a ring pin.
     ExternalPin,
-    /// Output pin on its pin.
+    /// Sleeve of an output pin.
     InternalPin,
 }
 
-/// Component of a joint's force on the body that the joint carries.
+/// Component of a joint's force on the carried body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// Length.
+    /// Magnitude of the force.
     Magnitude,
     /// Along x of the ground frame.
     X,
     /// Along y of the ground frame.
     Y,
-    /// Away from the input shaft's axis.
+    /// Component away from the input shaft's axis.
     Radial,
-    /// Radial turned by +90 degrees.
+    /// Component along the radial direction turned by +90 degrees.
     Tangential,
 }
 
 /// Component of a body's state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
-    /// Angle, rad, not brought back to a turn.
+    /// Angle, rad, not reduced to one turn.
     Angle,
     /// Rate of the angle, rad/s.
     Rate,
-    /// Place of the centre of mass, x, m.
+    /// Position of the centre of mass, x, m.
     X,
-    /// Place y, m.
+    /// Position y, m.
     Y,
     /// Velocity of the centre of mass, x, m/s.
     VelocityX,
@@ -84,7 +84,7 @@ pub enum Component {
     VelocityY,
 }
 
-/// Numbers of the gearbox or of a disc.
+/// Quantities of the gearbox or of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Whole {
     /// Output power over input power.
@@ -93,21 +93,21 @@ pub enum Whole {
     InputPower,
     /// Moment of the contacts on the output times its speed, W.
     OutputPower,
-    /// Lost by damping, W.
+    /// Power lost by damping, W.
     DampingLoss,
-    /// Lost by sliding, W.
+    /// Power lost by sliding, W.
     FrictionLoss,
-    /// Output angle less the ideal mesh's, arcmin.
+    /// Output angle less that of the ideal mesh, arcmin.
     TransmissionError,
-    /// A disc's angle less the ideal mesh's, arcmin.
+    /// Disc angle less that of the ideal mesh, arcmin.
     WheelTransmissionError,
-    /// Offset of a disc's centre from its eccentric's, x and y.
+    /// Offset of a disc's centre from its eccentric's, x.
     BearingOffsetX,
     /// Component y.
     BearingOffsetY,
-    /// Ring pins that press.
+    /// Number of loaded ring pins.
     ExternalContacts,
-    /// Output pins that press.
+    /// Number of loaded output pins.
     InternalContacts,
 }
 
@@ -116,15 +116,15 @@ pub enum Whole {
 pub enum What {
     /// Quantity of a pair of disc and pin.
     Pair(PairQuantity),
-    /// Force of a revolute.
+    /// Force of a revolute joint.
     Joint(Joint, Part),
     /// Quantity of the gearbox or a disc.
     Whole(Whole),
-    /// State of the body that a joint carries, ground frame.
+    /// State of a joint's body, ground frame.
     State(Joint, Component),
 }
 
-/// Parts over which the `*` of a family run.
+/// Parts whose numbers replace the `*` of a family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Over {
     One,
@@ -135,31 +135,31 @@ enum Over {
     WheelsInternal,
 }
 
-/// Channels that differ in their numbers only.
+/// Channels that differ only in their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Family {
-    /// Name with `*` for every number; also the pattern that asks for every channel of the family.
+    /// Name with `*` for every number, which is also the pattern for all channels of the family.
     pub pattern: &'static str,
-    /// Meaning of the column, in words, with sign and frame.
+    /// Meaning of the column with sign and frame.
     pub about: &'static str,
     over: Over,
     what: What,
 }
 
-/// A column of a certain gearbox.
+/// Column of a gearbox.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Chosen {
-    /// The column's name.
+    /// Name of the column.
     pub name: String,
     /// Content of the column.
     pub what: What,
     /// Disc and pin of a pair.
     pub pair: Option<(usize, Sleeve)>,
-    /// Number within the family, for what is no pair.
+    /// Number within the family, if not of a pair.
     pub number: usize,
 }
 
-/// Columns every engine records, asked for or not.
+/// Columns that every engine records without request.
 const CONTRACT: [(&str, Over); 6] = [
     ("time_s", Over::One),
     ("input_torque_n_m", Over::One),
@@ -243,7 +243,7 @@ pub const FAMILIES: &[Family] = families! {
 };
 
 impl Over {
-    /// Numbers that stand for the `*`, first slowest; `None` for a number that is not there.
+    /// Returns the numbers that replace the `*`, first slowest; `None` for a missing number.
     fn numbers(self, layout: Layout) -> Vec<(Option<usize>, Option<usize>)> {
         let alone = |count: usize| (0..count).map(|k| (None, Some(k))).collect();
         let pairs = |count: usize| {
@@ -291,14 +291,14 @@ impl Family {
     }
 }
 
-/// The pattern with numbers in place of its `*`.
+/// Returns the pattern with numbers in place of its `*`.
 fn numbered(pattern: &str, numbers: impl Iterator<Item = usize>) -> String {
     numbers.fold(pattern.to_owned(), |name, number| {
         name.replacen('*', &number.to_string(), 1)
     })
 }
 
-/// True if one of the columns that every engine records fits.
+/// True if a pattern matches a column that every engine records.
 pub fn always_there(pattern: &str, layout: Layout) -> bool {
     CONTRACT.iter().any(|(name, over)| {
         let numbers = over.numbers(layout).into_iter();

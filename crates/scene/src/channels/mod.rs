@@ -1,12 +1,11 @@
-//! Channels beyond the contract's columns, recorded when a scene asks for them.
+//! Channels beyond the contract's columns, recorded if a scene selects them.
 //!
-//! Channels are evaluated at sample times only, from states that the run has anyway. A channel that is not asked
-//! for is not computed; a channel that is asked for changes neither a step nor a right-hand side.
+//! Channels are evaluated at sample times only, from states of the run. A channel costs nothing unless selected, and never
+//! changes a step or a right-hand side.
 //!
-//! Signs and frames (docs/physics.md): n points from the pin's centre to the disc's closest point W,
-//! velocities are the pin's less the disc's at W, `t = R90 n`. A pair is described at its
-//! closest points whether or not it touches: a negative penetration is the gap. Forces of joints act
-//! on the body that the joint carries; they are given in the ground frame.
+//! Signs and frames (docs/physics.md): n points from the pin's centre to the disc's closest point W, velocities are the
+//! pin's less the disc's at W, `t = R90 n`. Channels describe a pair at its closest points also without contact: a negative
+//! penetration is the gap. Forces of joints act on the carried body and are given in the ground frame.
 
 mod catalogue;
 mod select;
@@ -20,18 +19,18 @@ pub use select::{MOST_PATTERNS, select};
 use crate::Scene;
 use crate::layout::Layout;
 
-/// The columns that a scene asks for.
+/// Selected columns of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Channels {
-    /// The columns, in the order of the catalogue.
+    /// Columns in the order of the catalogue.
     pub list: Vec<Chosen>,
 }
 
 impl Channels {
-    /// The channels of a scene.
+    /// Returns the channels of a scene.
     ///
     /// # Errors
-    /// In words: a pattern that nothing fits, and what may have been meant.
+    /// A pattern without a match, as text with a suggestion.
     pub fn of(scene: &Scene) -> Result<Self, String> {
         let list = select(&scene.output.channels, Layout::of(&scene.gear));
         let list =
@@ -39,12 +38,12 @@ impl Channels {
         Ok(Self { list })
     }
 
-    /// Names of the columns, in their order.
+    /// Returns the names of the columns in their order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.list.iter().map(|chosen| chosen.name.as_str())
     }
 
-    /// True if nothing is asked for.
+    /// True if no channel is selected.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
@@ -56,7 +55,7 @@ impl Channels {
         self.list.len()
     }
 
-    /// Channels whose name `there` does not know.
+    /// Returns the channels for whose names `there` is false.
     #[must_use]
     pub fn without(&self, there: impl Fn(&str) -> bool) -> Self {
         let list = self.list.iter().filter(|chosen| !there(&chosen.name));
@@ -65,7 +64,7 @@ impl Channels {
         }
     }
 
-    /// The families that are asked for, as patterns with the number of columns taken from each.
+    /// Returns the selected families with the number of columns from each.
     #[must_use]
     pub fn families(&self) -> Vec<(&'static Family, usize)> {
         let count = |family: &Family| {

@@ -1,4 +1,4 @@
-//! From the patterns of a scene to the columns they ask for.
+//! Selection of columns by a scene's patterns.
 
 use pinwheel_files::fits;
 
@@ -7,9 +7,9 @@ use crate::error::Fault;
 use crate::layout::Layout;
 use crate::nearest;
 
-/// Entries of `output.channels` at most.
+/// Largest number of entries of `output.channels`.
 pub const MOST_PATTERNS: usize = 200;
-/// Characters of one entry at most; the longest name has about 50.
+/// Largest length of an entry, characters; the longest name has about 50.
 const LONGEST: usize = 80;
 
 /// Makes the fault of `output.channels` with a pattern that selects no channel.
@@ -35,7 +35,7 @@ pub fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Fault>
     }
     let mut used = vec![false; patterns.len()];
     let mut chosen = Vec::new();
-    // Whatever numbers are asked for: most families end here, before they have members.
+    // Most families end here, before their members exist.
     let digit = |c: char| c.is_ascii_digit();
     let general: Vec<String> = (patterns.iter().map(|p| p.trim().replace(digit, "*"))).collect();
     let may = |family: &&Family| {
@@ -64,7 +64,7 @@ pub fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Fault>
     }
 }
 
-/// Fault with the names that may have been meant: numbers out of range, then the nearest family.
+/// Returns a fault with suggested names: numbers out of range, then the nearest family.
 fn unknown(typed: &str, layout: Layout) -> Fault {
     let numeric =
         |part: &str| part == "*" || (!part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
@@ -93,7 +93,7 @@ fn unknown(typed: &str, layout: Layout) -> Fault {
             let mut name = near.to_owned();
             if near.matches('*').count() == numbers.len() {
                 for number in numbers {
-                    // A `*` that stays would match again: mark it.
+                    // A `*` that stays would match again, so it is marked.
                     name = name.replacen('*', if number == "*" { "\0" } else { number }, 1);
                 }
             }

@@ -1,8 +1,8 @@
-//! Inputs that can be computed with and are hard to believe, each with the unit that was probably meant.
+//! Doubtful but computable inputs, each with the probable unit.
 //!
-//! Every bound follows from the rest of the gear or from what matter can do: lengths lie between shares of R; densities between
-//! foam's and tungsten's; speeds of a bearing below those of the fastest spindles; pressures below the theoretical strength of a
-//! solid, about E/15 (A. Kelly, Strong Solids, 1966).
+//! Every bound follows from the rest of the gear or from limits of matter: lengths lie between shares of R; densities
+//! between those of foam and tungsten; speeds of a bearing below those of the fastest spindles; pressures below the
+//! theoretical strength of a solid, about E/15 (A. Kelly, Strong Solids, 1966).
 
 use std::f64::consts::PI;
 
@@ -17,21 +17,21 @@ use crate::materials::material;
 use crate::number::short;
 use crate::springs::external_force;
 
-/// Length as a share of R, least and largest.
+/// Least and largest length over R.
 const LENGTH: [f64; 2] = [0.005, 4.0];
 /// Densities of foam and of tungsten, kg/m^3.
 const DENSITY: [f64; 2] = [30.0, 19_300.0];
-/// Speed of a bearing's rollers around it, m/s: n d of two million mm/min.
+/// Largest speed of a bearing's rollers, m/s: n d of two million mm/min.
 const SPEED_M_S: f64 = 100.0;
 /// Pressure over E at which a perfect solid fails.
 const STRENGTH: f64 = 1.0 / 15.0;
-/// Young's modulus over that of the material that the scene names.
+/// Limits of Young's modulus over that of the named material.
 const LIKE_ITS_MATERIAL: [f64; 2] = [0.5, 2.0];
 
 type Units = &'static [(f64, &'static str)];
 const LENGTHS: Units = &[(1e-3, "mm"), (1e3, "km")];
 
-/// Doubts about a scene, each with its key, its value and what was probably meant.
+/// Returns doubts about a scene, each with its key, its value and the probable intention.
 #[must_use]
 pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
     let mut list = Vec::new();
@@ -142,7 +142,7 @@ pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
     list
 }
 
-/// A step that a file states for a method that chooses its own.
+/// Returns a doubt about a stated step for a method that chooses its own.
 fn idle_step(scene: &CheckedScene) -> Option<Assumption> {
     const KEY: &str = "solver.step_s";
     let solver = &scene.solver;

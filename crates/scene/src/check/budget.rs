@@ -1,4 +1,4 @@
-//! Check of a run's cost: one that is too dear is refused before anything is allocated.
+//! Check of a run's cost before anything is allocated.
 
 use super::super::error::Fault;
 use super::super::model::Scene;
@@ -6,13 +6,13 @@ use crate::channels::select;
 use crate::layout::Layout;
 use crate::number::{above, short};
 
-/// Samples kept in memory at most.
+/// Largest number of samples in memory.
 const MOST_SAMPLES: f64 = 5e6;
-/// Values kept in memory at most: 2e8 doubles are 1.6 GB.
+/// Largest number of values in memory: 2e8 doubles are 1.6 GB.
 const MOST_VALUES: f64 = 2e8;
-/// Steps at most: at a microsecond each about three hours.
+/// Largest number of steps: at a microsecond each about three hours.
 const MOST_STEPS: f64 = 1e10;
-/// Disc-pin pairs at most: each keeps its closest point, and each is visited in every step.
+/// Largest number of disc-pin pairs: each stores its closest point and is visited in every step.
 const MOST_PAIRS: usize = 20_000;
 
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
@@ -61,7 +61,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ));
     }
 
-    // Time, torques and angle beside the pins, and what is asked for.
+    // Time, torques and angle beside the pins, and the selected channels.
     let channels = select(&scene.output.channels, Layout::of(gear))?;
     let columns = (sleeves + 4 + channels.len()) as f64;
     let most = MOST_SAMPLES.min(MOST_VALUES / columns);

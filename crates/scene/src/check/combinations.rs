@@ -1,4 +1,4 @@
-//! Values that are each right and do not go together.
+//! Combinations of valid values that are not supported.
 
 use pinwheel_contact::NormalLaw as _;
 use pinwheel_mbs::integrators::{Family, method};
@@ -16,10 +16,10 @@ fn acts_along(scene: &Scene) -> bool {
     law(scene).is_some_and(|law| law.along(1.0, 1.0).is_some())
 }
 
-/// Laws that do not go with every detection, friction or integrator.
+/// Checks that detection, friction and integrator support the law.
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     let (gear, contact) = (&scene.gear, &scene.contact);
-    // Eight points a lobe hardly tell a lobe from a pit; below that the profile is another one.
+    // Eight points a lobe barely resolve lobe and pit; fewer describe another profile.
     let (lobes, points) = (gear.lobes(), contact.wheel_points);
     let least = 8 * lobes;
     if contact.detection == Detection::Points && points < least {
@@ -91,7 +91,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Parts of the model that a ring as output does not go with.
+/// Refuses parts of the model that a ring as output does not support.
 fn ring(scene: &Scene) -> Result<(), Fault> {
     if scene.drive.output == OutputPart::Carrier {
         return Ok(());

@@ -9,14 +9,13 @@ use super::super::profile::Profile;
 use crate::number::{above, below, short};
 use crate::wall::hole_to_profile_m;
 
-/// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
+/// Relative tolerance for values that are equal in decimal but not in binary (6 + 2.8 = 8.8 mm).
 const ROUNDING: f64 = 1e-12;
 
-/// Share of a pit's radius beyond the generating pin's that a larger pin may take: it touches the pit's sides together
-/// where it takes all.
+/// Share of a pit's radius beyond the generating pin's by which a pin may be larger; at 1 it touches both sides of the pit.
 const TIGHT: f64 = 0.8;
 
-/// Checks a gear whose single values are in range.
+/// Checks a gear with single values in range.
 pub(super) fn whole(gear: &Gear) -> Result<(), Fault> {
     outside(gear)?;
     internal_sleeves(gear)?;
@@ -32,12 +31,12 @@ pub(super) fn outside(gear: &Gear) -> Result<(), Fault> {
     backlash(gear)
 }
 
-/// Half the distance of neighbouring ring pins' centres, m.
+/// Returns half the distance of neighbouring ring pins' centres, m.
 pub(super) fn half_pitch(gear: &Gear) -> f64 {
     (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin()
 }
 
-/// Neighbouring ring pins must not touch on their circle of radius R + d.
+/// Checks that neighbouring ring pins do not touch on their circle of radius R + d.
 pub fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     let q = gear.external_sleeve_radius_m;
     let half_pitch = half_pitch(gear);
@@ -62,7 +61,7 @@ pub fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// With their individual errors, too, pins and holes must not overlap, and pins fit into their holes.
+/// Checks that pins and holes with their individual errors do not overlap, and that pins fit into their holes.
 fn neighbours(gear: &Gear) -> Result<(), Fault> {
     let errors = &gear.errors;
     if errors.is_none() {
@@ -120,10 +119,10 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The disc's edge, the inward offset of C by q, must not fold (undercut).
+/// Checks that the disc's edge, the inward offset of C by q, does not fold (undercut).
 ///
-/// Nor can it then cross itself elsewhere: with q below the smallest convex radius and pins that do not
-/// overlap, no two flanks come within 2 q (measured for zk from 3 up; a property test holds it).
+/// The edge then crosses itself nowhere else: with q below the smallest convex radius and pins that do not overlap, no two
+/// flanks come within 2 q (measured for zk from 3 up, checked by a property test).
 pub fn profile(gear: &Gear) -> Result<(), Fault> {
     let q = gear.edge_offset_m();
     let curve = Profile::of(gear);
@@ -136,7 +135,7 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
             modification: crate::model::Modification::default(),
             ..gear.clone()
         };
-        // An undercut of the gear itself is reported instead.
+        // An undercut of the gear without deviations is reported instead.
         profile(&plain)?;
         let most = below(smallest - gear.external_sleeve_radius_m);
         return Err(Fault::new(
@@ -190,7 +189,7 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Lobes reach 2 e between the pins; a backlash of half of e already leaves a quarter of that unused.
+/// Checks the backlash: lobes reach 2 e between the pins, and half of e already leaves a quarter of that unused.
 fn backlash(gear: &Gear) -> Result<(), Fault> {
     let most = 0.5 * gear.eccentricity_m.min(gear.external_sleeve_radius_m);
     if gear.backlash_m > most {
@@ -206,9 +205,9 @@ fn backlash(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Pins in their holes, holes beside each other.
+/// Checks pins in their holes, and neighbouring holes.
 ///
-/// Pins that overlap need no check of their own: each is smaller than its hole.
+/// Pins need no check for overlap: each is smaller than its hole.
 fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
     let (sleeve, hole) = (gear.internal_sleeve_radius_m, gear.hole_radius_m);
     let circle = gear.internal_circle_radius_m;
@@ -256,9 +255,9 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Every hole must lie inside the profile: its centre farther from C than hole radius + q.
+/// Checks that every hole lies inside the profile: its centre farther from C than hole radius + q.
 ///
-/// A hole that stays inside the circle through the pits is inside the disc at every angle.
+/// A hole inside the circle through the pits is inside the disc at every angle.
 pub fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     let pit = Profile::of(gear).pit_radius();
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);

@@ -1,4 +1,4 @@
-//! Changes of load and speed: each value in its range, in order of time, each ramp over before the next change.
+//! Check of changes of load and speed: values in range, times increasing, each ramp over before the next change.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use super::super::model::Scene;
 use crate::load_profile::APART_S;
 use crate::number::{below, short};
 
-/// Changes at most: integration starts anew at each.
+/// Largest number of changes: integration restarts at each.
 const MOST: usize = 1000;
 
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {

@@ -1,7 +1,7 @@
-//! Checks of a scene's values: each alone, then together.
+//! Checks of a scene's values, first each alone, then together.
 //!
-//! Order matters: geometry is only computed from numbers that are finite and within bounds, and
-//! nothing here allocates in proportion to a value of the scene.
+//! Order matters: geometry is computed only from finite numbers within bounds, and no check allocates in proportion to a
+//! value of the scene.
 
 mod believable;
 mod budget;
@@ -26,7 +26,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     together(scene, false)
 }
 
-/// Refuses settings of the solver that do not go with a scene whose other values are checked.
+/// Refuses solver settings that do not fit a scene whose other values are checked.
 pub(crate) fn solver(scene: &Scene) -> Result<(), Fault> {
     let solver = Value::try_from(&scene.solver).map_err(unwritten)?;
     ranges::check(&Table::from_iter([("solver".to_owned(), solver)]))?;
@@ -39,8 +39,8 @@ fn unwritten(error: toml::ser::Error) -> Fault {
     Fault::new(&["scene"], what, "change it")
 }
 
-/// Refuses combinations of values of a scene that cannot be run or make no sense. Every single value is known to be in
-/// range; `gives_circle`: R is written and not m.
+/// Refuses combinations of values that cannot be run or make no sense. Single values are in range; `gives_circle`: R is
+/// written and not m.
 pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     combinations::check(scene)?;
     crate::bearings::check(scene)?;
@@ -53,7 +53,7 @@ pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     budget::check(scene)
 }
 
-/// Checks that a gear whose single values are in range can be built.
+/// Checks that a gear with single values in range can be built.
 pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     let tried = |fault| remedy::tried(gear, gives_circle, fault);
     geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))

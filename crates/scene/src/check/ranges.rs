@@ -1,4 +1,4 @@
-//! Every single value against its row of [`crate::keys`].
+//! Check of each value against its row of [`crate::keys`].
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use crate::error::Fault;
 use crate::keys::{self, Key, Kind, Range};
 use crate::number::short;
 
-/// Smallest magnitude of a quantity of a gear. Powers and quotients of smaller numbers are zero or infinite.
+/// Smallest magnitude of a gear's quantity. Powers and quotients of smaller numbers are zero or infinite.
 const SMALLEST: f64 = 1e-30;
 
 /// Checks the range of each given value; missing values are not checked.
@@ -71,7 +71,7 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
             };
             let typed: Vec<&str> = typed.iter().filter_map(Value::as_str).collect();
             let Some(typed) = typed.iter().find(|typed| !names.contains(typed)) else {
-                // Each costs its time, and the second of a kind shows nothing.
+                // A repeated entry costs time and adds no result.
                 let mut before = typed.iter().enumerate();
                 let twice = before.find(|(k, one)| typed[..*k].contains(one));
                 return twice.map_or(Ok(()), |(_, one)| {

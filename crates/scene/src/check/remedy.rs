@@ -1,24 +1,24 @@
-//! Remedies for a gear that cannot be built: values that were tried, and not a rule that another check refuses.
+//! Remedies for a gear that cannot be built: values that pass all checks.
 //!
-//! Each value of a gear is moved away from where it is, to both sides, until the gear can be built, and then back as far as
-//! it goes. Whether holes follow from pin and eccentricity is not known here: what is offered holds either way. Of R and m the
-//! one that the scene gives is named.
+//! Each value of a gear is moved to both sides until the gear can be built, and then back as far as possible. The checks do
+//! not know whether holes follow from pin and eccentricity, so a remedy must fit both cases. The remedy names R or m,
+//! whichever the scene gives.
 
 use super::geometry;
 use crate::error::Fault;
 use crate::model::Gear;
 use crate::number::nearest;
 
-/// Ratio of neighbouring values that are tried, and how many to either side.
+/// Ratio of neighbouring trial values, and their number to either side.
 const RATIO: f64 = 1.05;
 const TRIED: i32 = 80;
-/// Halvings of the way back.
+/// Number of halvings towards the limit.
 const HALVINGS: usize = 12;
-/// Logarithm of a change beyond which a value is that of another gear.
+/// Logarithm of the largest change; beyond it the value belongs to another gear.
 const ANOTHER_GEAR: f64 = 1.6;
-/// Ways that are offered at most.
+/// Largest number of offered remedies.
 const OFFERED: usize = 3;
-/// Holes of all discs at most: each is measured at every trial, as is a profile of one's own.
+/// Largest number of holes of all discs: each trial measures all of them, and a user-defined profile.
 const MOST_HOLES: usize = 100;
 
 type Value = (&'static str, fn(&mut Gear) -> &mut f64);
@@ -29,7 +29,7 @@ macro_rules! values {
     };
 }
 
-/// Values that a remedy may change. The last three may also go to nothing.
+/// Values that a remedy may change; the last three also to zero.
 const VALUES: [Value; 10] = values!(
     eccentricity_m,
     shortening,
@@ -56,14 +56,14 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     }
     let whole: Builds = |gear| geometry::whole(gear).is_ok();
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
-    // Keys that the fault names come first.
+    // Keys named by the fault come first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
     let single = |builds| single(gear, gives_circle, builds);
     let mut ways = single(whole);
     if ways.is_empty() {
         ways.extend(output_stage(gear, gives_circle));
     }
-    // Two faults at once: first that of the profile, then the other.
+    // With two faults at once, first that of the profile, then the other.
     if ways.is_empty() && !outside(gear) {
         ways = single(outside);
         if ways.is_empty() {
@@ -89,15 +89,15 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     }
 }
 
-/// A way to a gear that can be built.
+/// Change that makes a gear buildable.
 struct Way {
     key: &'static str,
-    /// Limit of the value.
+    /// Magnitude of the logarithmic change.
     far: f64,
     words: String,
 }
 
-/// Ways that move one value.
+/// Returns the changes of a single value.
 fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
     let mut ways = Vec::new();
     for (key, of) in VALUES {
@@ -135,7 +135,7 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
     ways
 }
 
-/// Returns the value of few digits that still fits next to the limit between `bad` and `good`; the limit is located by halving.
+/// Returns the value of few digits that still fits next to the limit between `bad` and `good`, located by bisection.
 fn edge(bad: f64, mut good: f64, fits: &dyn Fn(f64) -> bool) -> Option<f64> {
     let mut bad = bad;
     for _ in 0..HALVINGS {
@@ -153,7 +153,7 @@ fn edge(bad: f64, mut good: f64, fits: &dyn Fn(f64) -> bool) -> Option<f64> {
 /// Returns the gears that a scene may mean: with m or R unchanged, and with holes unchanged or recomputed.
 fn variants(before: &Gear, moved: &Gear) -> Vec<Gear> {
     let mut all = Vec::new();
-    // Only from R follows an m that is none.
+    // An invalid m follows from R only.
     if before.shortening < 1.0 || moved.shortening != before.shortening {
         all.push(moved.clone());
     }
@@ -190,7 +190,7 @@ fn in_words(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
     format!("gear.pin_circle_radius_m = {}", nearest(radius, 6))
 }
 
-/// Designs the profile anew: no modification, a usual m, and pins and a play that fit.
+/// Returns a change of the profile: no modification, a usual m, and pins and backlash that fit.
 fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();
@@ -217,7 +217,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     })
 }
 
-/// Pins and holes anew on the circle there is or on another one, and where they have no room an eccentricity that leaves it.
+/// Returns new pins and holes on the present or another circle; without room for them also a smaller eccentricity.
 fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     let smaller = (0..30).map(|k| {
         if k == 0 {

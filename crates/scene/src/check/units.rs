@@ -1,4 +1,4 @@
-//! A gear that cannot be built because one length, or all, were typed in millimetres.
+//! Remedy for a gear that cannot be built because one length, or all, were typed in millimetres.
 
 use super::geometry;
 use crate::error::Fault;
@@ -13,7 +13,7 @@ macro_rules! lengths {
     };
 }
 
-/// Lengths one may mistype.
+/// Lengths that may be mistyped.
 const LENGTHS: [Length; 6] = lengths!(
     eccentricity_m,
     external_sleeve_radius_m,
@@ -23,7 +23,7 @@ const LENGTHS: [Length; 6] = lengths!(
     backlash_m
 );
 
-/// A length smaller than this share of the gear is none that anybody builds.
+/// Share of the gear's size below which no length is plausible.
 const PLAUSIBLE: f64 = 0.005;
 
 /// Returns the length of which a thousandth makes a gear that can be built, if there is exactly one.
@@ -34,19 +34,19 @@ pub(super) fn guess(gear: &Gear) -> Option<Fault> {
         let typed = *value;
         *value *= 1e-3;
         let value = *value;
-        // A thousandth that is too small beside the rest was not meant.
+        // A thousandth that is too small beside the rest was not intended.
         let largest = meant
             .internal_circle_radius_m
             .max(meant.external_sleeve_radius_m);
         if value < PLAUSIBLE * largest {
             continue;
         }
-        // A hole that followed from the wrong length follows from the right one.
+        // A hole that follows from the wrong length is computed from the corrected one.
         let follows = gear.internal_sleeve_radius_m + gear.eccentricity_m;
         if (gear.hole_radius_m / follows - 1.0).abs() < 1e-9 {
             meant.hole_radius_m = meant.internal_sleeve_radius_m + meant.eccentricity_m;
         }
-        // A shortening that followed from R would be another too; then R stays.
+        // A shortening that follows from R changes too, and R stays.
         let mut same_circle = meant.clone();
         same_circle.shortening *= 1e-3;
         if geometry::whole(&meant).is_ok() || geometry::whole(&same_circle).is_ok() {

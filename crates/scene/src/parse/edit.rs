@@ -1,4 +1,4 @@
-//! Changes of single keys in the text of a scene file: every other key, comment and blank line stays as its author wrote it.
+//! Changes of single keys in the text of a scene file; every other key, comment and blank line is unchanged.
 
 use std::path::Path;
 
@@ -8,9 +8,9 @@ use super::Override;
 use super::unknown::BASE;
 use crate::presets::preset;
 
-/// Returns a scene file with `removed` keys taken away and then those of `sets` written, each where it stands or else below the
-/// last key of its table. A `base` that is a path from the folder `beside` becomes one from the working folder. `None` where the
-/// text is no TOML or a key is none.
+/// Returns a scene file without the `removed` keys and with those of `sets`, each at its old place or below the last key of
+/// its table. A `base` path relative to the folder `beside` becomes one relative to the working folder. `None` if the text
+/// is no TOML or a key is invalid.
 #[must_use]
 pub fn edited(text: &str, sets: &[Override], removed: &[&str], beside: &Path) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
@@ -29,7 +29,7 @@ pub fn edited(text: &str, sets: &[Override], removed: &[&str], beside: &Path) ->
         let mut table: &mut dyn TableLike = document.as_table_mut();
         for key in tables {
             if !table.contains_key(key.get()) {
-                // Written as `modification.radial_m = 1e-5`, which is valid wherever its parent stands.
+                // Written as `modification.radial_m = 1e-5`, which is valid at any place of its parent.
                 let mut dotted = InlineTable::new();
                 dotted.set_dotted(true);
                 table.insert(key.get(), Item::Value(dotted.into()));

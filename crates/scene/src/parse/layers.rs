@@ -1,4 +1,4 @@
-//! The table being built: a base, the file over it, the overrides over both, each value with its place.
+//! Table under construction from a base, a file and overrides, each value with its place.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -21,27 +21,27 @@ use crate::model::{PlusMinus, Scene};
 use crate::table::{insert, lookup, usual};
 use crate::uncertain::{EXAMPLE, UNCERTAIN};
 
-/// Bases of bases at most.
+/// Largest depth of nested bases.
 const DEEPEST: usize = 8;
-/// Form of a scene file, in words.
+/// Forms of a scene file, for messages.
 pub(super) const FORM: &str =
     "a scene consists of `key = value` lines under [gear], [mass], [drive], [contact] and [solver]";
 
-/// Gives the place of a line.
+/// Function from a line number to a place.
 type Places<'a> = &'a dyn Fn(usize) -> Location;
 
-/// The table being built, and where each of its values came from.
+/// Table under construction, with the place of each value.
 #[derive(Debug, Clone)]
 pub(super) struct Layers {
     source: String,
     table: Table,
     places: HashMap<String, Location>,
-    /// Base from which each key was inherited, for keys that the file itself does not write.
+    /// Base of each inherited key that the file itself does not write.
     inherited: HashMap<String, String>,
 }
 
 impl Layers {
-    /// A text with its base and overrides.
+    /// Reads a text with its base and overrides.
     pub(super) fn read(
         text: &str,
         source: &str,
@@ -60,7 +60,7 @@ impl Layers {
         Ok(layers)
     }
 
-    /// Lays a file over the values so far, after the base that the file names.
+    /// Merges a file into the values so far, after its base.
     fn file(
         &mut self,
         text: &str,
@@ -82,7 +82,7 @@ impl Layers {
         let mut document = Document::parse(text, source, FORM)?;
         let place_at = |line: usize| {
             let source = source.to_owned();
-            // Programs write JSON, and its lines are not the converted text's.
+            // Programs write JSON, and its line numbers are not those of the converted text.
             match is_json {
                 true => Location::File { source },
                 false => Location::Line { source, line },
@@ -104,7 +104,7 @@ impl Layers {
         self.overlay(&document.root, &place_at)
     }
 
-    /// Lays the scene that `source` names as its base.
+    /// Merges the scene named by `source` as base.
     fn base(
         &mut self,
         base: &str,
@@ -120,7 +120,7 @@ impl Layers {
         let (text, name) = if let Some(text) = crate::preset(base) {
             (text.to_owned(), base.to_owned())
         } else {
-            // A path is one from the file that names it.
+            // The path is relative to the naming file.
             let beside = Path::new(source).parent().unwrap_or(Path::new(""));
             let path = beside.join(base).display().to_string();
             (load::read(&path)?, path)
@@ -137,7 +137,7 @@ impl Layers {
         Ok(())
     }
 
-    /// An override is a document of one key, whose place is the command line.
+    /// Applies an override, a document of one key from the command line.
     pub(super) fn set(&mut self, set: &Override) -> Result<(), SceneError> {
         let text = format!("{} = {}", set.key, set.toml());
         let document = Document::parse(&text, "--set", FORM);
@@ -150,12 +150,12 @@ impl Layers {
         }
     }
 
-    /// Lays `from` over the values so far. Accepts only keys of the key table, with values of the key's kind.
+    /// Merges `from` into the values so far. Accepts only keys of the key table, with values of the key's kind.
     fn overlay(&mut self, from: &Entries<'_>, place_at: Places<'_>) -> Result<(), SceneError> {
         self.within("", "", from, place_at)
     }
 
-    /// Lays the table `from` at `prefix`, below `root`, over the values there are. The root is empty for values and
+    /// Merges the table `from` at `prefix`, below `root`, into the values so far. The root is empty for values and
     /// [`UNCERTAIN`] for their uncertainties.
     fn within(
         &mut self,
@@ -207,7 +207,7 @@ impl Layers {
         Ok(())
     }
 
-    /// Removes what is said of the uncertainty of a key.
+    /// Removes the uncertainty of a key.
     pub(super) fn drop_uncertainty(&mut self, key: &str) {
         if let Some(Value::Table(table)) = self.table.get_mut(UNCERTAIN) {
             table.remove(key);
@@ -249,7 +249,7 @@ impl Layers {
             let what = format!("is {}, but must be a list of tables", node.words());
             SceneError::key(place, key, what, row.hint)
         })?;
-        // A list replaces the one before it.
+        // A list replaces the previous one.
         let list_prefix = format!("{key}[");
         self.places
             .retain(|name, _| !name.starts_with(&list_prefix));
@@ -328,7 +328,7 @@ impl Layers {
         };
         let mut origins: Vec<Origin> = KEYS.iter().filter_map(from_base).collect();
         origins.extend(filled);
-        // Formulas may leave the ranges.
+        // Formulas may give values out of range.
         check::ranges(&self.table).map_err(|fault| located(fault, &self.places))?;
         let scene: Scene =
             Value::Table(self.table)
@@ -340,8 +340,8 @@ impl Layers {
     }
 }
 
-/// Names the key the user can change: one given with `--set` before one in the file `source` before one of its base
-/// before one that nobody wrote.
+/// Converts a fault to an error at the key that the user can change best: one from `--set`, then one of the file `source`,
+/// then one of its base, then an omitted one.
 pub(super) fn located(
     fault: Fault,
     places: &HashMap<String, Location>,

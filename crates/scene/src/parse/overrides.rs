@@ -7,7 +7,7 @@ use pinwheel_files::MOST_BYTES;
 use crate::error::{Location, SceneError};
 use crate::keys::{Kind, key};
 
-/// One `--set key=value`.
+/// Override `--set key=value`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Override {
     pub(super) key: String,
@@ -24,13 +24,13 @@ impl Override {
         }
     }
 
-    /// The key, e.g. `gear.backlash_m`.
+    /// Returns the key, e.g. `gear.backlash_m`.
     #[must_use]
     pub fn key(&self) -> &str {
         &self.key
     }
 
-    /// Returns the value as TOML: a word without quotes is a string, and so is anything given for a key that holds text.
+    /// Returns the value as TOML: a word without quotes is a string, and so is any value of a key for text.
     pub(super) fn toml(&self) -> String {
         let holds_text =
             key(&self.key).is_some_and(|row| matches!(row.kind, Kind::Text | Kind::Choice(..)));

@@ -1,4 +1,4 @@
-//! Keys that do not exist, and which one was meant.
+//! Unknown keys, and suggestions for them.
 
 use pinwheel_files::{Node, nearest};
 use toml::{Table, Value};
@@ -9,10 +9,10 @@ use crate::number::short;
 use crate::quantity;
 use crate::table::number;
 
-/// The key by which a scene begins with another.
+/// Key of the base of a scene.
 pub(super) const BASE: &str = "base";
 
-/// A key without a row: "did you mean", of the same table first, then the same name elsewhere.
+/// Returns the error of an unknown key, with a suggestion from its table, else with its name in another table.
 pub(super) fn unknown(
     place: Location,
     key: String,
@@ -71,7 +71,7 @@ pub(super) fn unknown(
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
-/// Parts of names that ask for gears beyond the model, and what it has in their place.
+/// Parts of names of features beyond the model, and what it offers instead.
 const OUT_OF_SCOPE: &[(&str, &str)] = &[
     (
         "lobes",
@@ -99,7 +99,7 @@ const OUT_OF_SCOPE: &[(&str, &str)] = &[
     ),
 ];
 
-/// True if a word means the circle of the ring pins, for which the field has many names.
+/// True if a word means the circle of the ring pins, which has many names in the literature.
 fn is_pitch(name: &str) -> bool {
     [
         "pitch_",
@@ -113,7 +113,7 @@ fn is_pitch(name: &str) -> bool {
     .any(|word| name.starts_with(word))
 }
 
-/// R is not a key that is often needed: e zk/m gives it.
+/// Returns the remedy for R, which is seldom needed as a key: e zk/m gives it.
 fn pitch_remedy(table: &Table) -> String {
     let product = number(table, "gear.eccentricity_m")
         .zip(number(table, "gear.external_sleeves"))

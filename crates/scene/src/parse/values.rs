@@ -1,4 +1,4 @@
-//! Conversion of a file's values to the kind that their key has.
+//! Conversion of a file's values to the kind of their key.
 
 use pinwheel_files::Node;
 use toml::Value;
@@ -6,7 +6,7 @@ use toml::Value;
 use crate::keys::{Key, Kind};
 use crate::quantity;
 
-/// Reads a value of the row's kind; an error holds the fault and the remedy.
+/// Reads a value of the row's kind; an error is the fault and the remedy.
 pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, String)> {
     let number = |value: &Value| match value {
         Value::Integer(whole) => Some(Value::Float(*whole as f64)),

@@ -1,4 +1,4 @@
-//! What a scene assumes.
+//! Assumptions of a scene.
 
 use pinwheel_scene::{Override, PRESETS, Scene, assumptions, doubts};
 
@@ -34,7 +34,7 @@ fn a_base_is_one_entry() {
     assert!(list[0].reason.contains("gear.wheels"));
 }
 
-/// Likely mistakes in one key of a gear by `init`.
+/// Likely mistakes in one key of a gear from `init`.
 #[test]
 fn bad_input_that_is_hard_to_believe() {
     let gear = crate::catalogue::catalogue(39, 104.0).draft().unwrap();
@@ -82,7 +82,7 @@ fn bad_input_that_is_hard_to_believe() {
         assert_eq!(said.len(), 1, "{said:?}");
         assert!(said[0].contains(meant), "{said:?}");
     }
-    // As large as they may be.
+    // At the largest permitted values.
     let near = [
         ("gear.face_width_m", "0.2"),
         ("drive.input_speed_rad_s", "3000"),

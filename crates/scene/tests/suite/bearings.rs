@@ -9,7 +9,7 @@ fn with(bearing: &str) -> Scene {
     scene
 }
 
-/// Palmgren's formula by hand: 4 kN on 16 rollers of 9 mm have a secant of 5.9e8 N/m, and a tangent of 10/9 of it.
+/// Palmgren's formula by hand: 4 kN on 16 rollers of 9 mm give a secant of 5.9e8 N/m, and a tangent of 10/9 of it.
 #[test]
 fn published_palmgrens_rollers() {
     let law = BearingLaw::of(&with("rollers = 16\nroller_length_m = 0.009")).unwrap();
@@ -38,8 +38,8 @@ fn nothing_within_the_clearance_and_never_a_pull() {
     assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
 }
 
-/// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm. The disc slides on a sleeve whose contact
-/// has less friction, and on a pin that is held.
+/// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm. The disc slides on a sleeve whose
+/// contact has less friction, and on a fixed pin.
 #[test]
 fn regress_a_roller_rubs_on_no_more_than_itself_nor_than_the_disc_on_it() {
     let mut scene = Scene::paper();
@@ -76,7 +76,7 @@ fn bad_input_half_a_bearing_says_what_it_lacks() {
     assert!(with("stiffness_n_m = 1e8").check().is_ok());
 }
 
-/// Rollers so thin that g is nearly the share asked for: ratings by their formulas' own sources.
+/// Rollers so thin that g is nearly the requested ratio: ratings by the formulas of their sources.
 #[test]
 fn published_ratings_of_rollers() {
     // Factor f of table 7 of ISO 281:2007.

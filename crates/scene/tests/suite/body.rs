@@ -3,8 +3,8 @@
 use pinwheel_scene::Scene;
 use pinwheel_scene::internals::Shape;
 
-/// By an independent program: 8710.1 mm^2 inside the paper's profile without its holes (it counts the eight holes
-/// of 8.8 mm out), radius of gyration 41.88 mm without and 44.45 mm with a bore of 18.45 mm.
+/// From an independent program: 8710.1 mm^2 inside the paper's profile without its eight holes of 8.8 mm, radius of
+/// gyration 41.88 mm without and 44.45 mm with a bore of 18.45 mm.
 #[test]
 fn the_papers_wheel() {
     let gear = Scene::paper().gear;

@@ -1,4 +1,4 @@
-//! Gears of a catalogue, and what is refused.
+//! Gears from catalogue data, and refusals.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,7 @@ use pinwheel_scene::as_built::tolerance_m;
 use pinwheel_scene::catalogue::*;
 use pinwheel_scene::{Scene, derived};
 
-/// Catalogue of a gear of steel, with a load that goes with its size; all else is left out.
+/// Catalogue of a steel gear, with a load that scales with its size; all else is omitted.
 pub(crate) fn catalogue(ratio: impl Into<f64>, diameter_mm: f64) -> Catalogue {
     Catalogue {
         name: "mine".to_owned(),
@@ -72,7 +72,7 @@ fn bad_input_of_a_catalogue() {
     };
     let said = full.draft().unwrap_err().to_string();
     assert!(said.contains("finds no place"), "{said}");
-    // A fault of the scene is in its key's name and unit, not under a diameter's.
+    // A fault of the scene has its key's name and unit, not those of a diameter.
     let overlapping = Catalogue {
         pin_diameter_m: Some(0.012),
         ..catalogue(39, 100.0)
@@ -105,7 +105,7 @@ fn lengths_are_rounded_as_on_a_drawing() {
     }
 }
 
-/// Ratios of catalogues of RV gears, and one that no first stage makes. Those with decimals are rounded or cut there.
+/// Ratios from catalogues of RV gears, rounded or cut there, and one without a first stage.
 #[test]
 fn an_rv_gear_from_its_ratio() {
     for (ratio, cranks, off) in [
@@ -136,7 +136,7 @@ fn an_rv_gear_from_its_ratio() {
         assert!(again.output_per_input() > 0.0 && again.drive.output_torque_n_m < 0.0);
         assert_eq!(again.gear.internal_sleeves, cranks);
         assert!(again.gear.external_sleeves.is_multiple_of(2));
-        // What is said to be suggested stands in the file, marked.
+        // Suggested values are in the file, marked.
         for key in &draft.suggested {
             let name = format!("{} = ", key.rsplit('.').next().unwrap());
             let mut lines = draft.text.lines();
@@ -153,7 +153,7 @@ fn an_rv_gear_from_its_ratio() {
     assert!(first_stage(tried).is_some(), "{said}");
 }
 
-/// Standard tolerances of IT6, IT7, IT8 and IT12, um, as tables of ISO 286-1 print them: these are rounded.
+/// Standard tolerances of IT6, IT7, IT8 and IT12, um, as printed (rounded) in tables of ISO 286-1.
 #[test]
 fn published_standard_tolerances() {
     for (size_mm, table) in [
@@ -176,7 +176,7 @@ fn published_standard_tolerances() {
     }
 }
 
-/// A gear as built: what is suggested stands in the file, marked; every clearance is an interval that begins at 0 or above, and the study
+/// A gear as built: suggested values are in the file, marked; every clearance is an interval from 0 or above, and the study
 /// of the tolerances draws the same.
 #[test]
 fn a_gear_as_built() {
@@ -240,7 +240,7 @@ fn a_gear_as_built() {
         (plays[0] - 9.1e-6).abs() < 1e-6 && plays[1] > 8e-5,
         "{plays:?}"
     );
-    // Discs of plastic run on pins of steel unless it says otherwise.
+    // Plastic discs run on steel pins unless stated otherwise.
     let plastic = |pin_material, ideal| Catalogue {
         material: MATERIALS[6],
         pin_material,
@@ -277,7 +277,7 @@ fn a_gear_as_built() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Ratio, size, torque and speed are enough for any gear; the suggested one can be built and has walls.
+    /// Ratio, size, torque and speed determine a gear; the suggested one can be built and has walls.
     #[test]
     fn four_numbers_make_a_gear(ratio in 5..120_usize, size in 0.5..3.0_f64, ideal in proptest::bool::ANY) {
         let draft = Catalogue { ideal, ..catalogue(ratio as f64, 10_f64.powf(size)) }.draft();
@@ -291,7 +291,7 @@ proptest! {
     }
 }
 
-/// Holes leave 3 % of the pin circle's diameter between them, whatever the number of pins.
+/// Holes have walls of 3 % of the pin circle's diameter between them, for any number of pins.
 #[test]
 fn walls_between_holes_are_sound() {
     for (ratio, diameter_mm) in [(19, 60.0), (39, 104.0), (87, 250.0)] {

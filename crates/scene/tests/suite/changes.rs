@@ -1,4 +1,4 @@
-//! `drive.load_changes`: what is understood, what is refused, and that scenes without it stay as they were.
+//! `drive.load_changes`: accepted and refused lists, and unchanged results of scenes without it.
 
 use proptest::prelude::*;
 
@@ -32,7 +32,7 @@ fn every_form_is_understood() {
     assert_eq!(scene.drive.load_changes, wanted);
     let again = Scene::from_toml(&scene.to_toml(), "again.toml", &[]).unwrap();
     assert_eq!(again, scene);
-    // A list on the command line replaces the file's, and may empty it.
+    // A list on the command line replaces the file's, and may be empty.
     let none = [Override::new("drive.load_changes", "[]")];
     let scene = Scene::from_toml(tables, "mine.toml", &none).unwrap();
     assert!(scene.drive.load_changes.is_empty());
@@ -112,7 +112,7 @@ fn what_is_wrong_is_named_with_its_entry() {
     assert!(line.contains("1001 changes"), "{line}");
 }
 
-/// Ramps of the speed: continuous in angle and speed, and none without the time that it takes.
+/// Ramps of the speed are continuous in angle and speed; a ramp without duration is refused.
 #[test]
 fn bad_input_changes_of_the_speed() {
     let with = |list: &str| {
@@ -187,7 +187,7 @@ fn bad_input_own_profiles() {
     }
 }
 
-/// Who asks for a gear beyond the model is told what it has, in one line.
+/// A key of a gear beyond the model gives a line with the available alternative.
 #[test]
 fn bad_input_gears_beyond_the_model() {
     for (set, part) in [
@@ -208,7 +208,7 @@ fn bad_input_gears_beyond_the_model() {
     }
 }
 
-/// A shorter run of the same scene is no fault; it says what it never reaches.
+/// A shorter run of a scene is no fault; the scene names the changes after its end.
 #[test]
 fn changes_after_the_end_are_told() {
     let scene =
@@ -234,7 +234,7 @@ fn number() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    /// Any list: refused in one line, or a course of the load that can be followed.
+    /// Any list is refused in one line, or gives a valid load.
     #[test]
     fn any_list_is_refused_or_can_be_followed(
         list in prop::collection::vec((number(), number(), number()), 0..6),

@@ -43,7 +43,7 @@ fn bad_input_of_cranks_names_the_key() {
     );
 }
 
-/// In a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
+/// At the ideal mesh both shafts together have all of the cranks' kinetic energy.
 #[test]
 fn both_shafts_carry_the_cranks_turning() {
     let scene = Scene::load("rv-40e-like", &[]).unwrap();
@@ -52,14 +52,14 @@ fn both_shafts_carry_the_cranks_turning() {
         (scene.output_shaft(), scene.mass.output_shaft),
     ]
     .map(|(with, without)| with.moment_kg_m2 - without.moment_kg_m2);
-    // gamma' of an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
+    // Speed of the cranks for an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
     let turning: f64 = (4.0 / 3.0) / 121.0 - 1.0 / 3.0;
     let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
     let found = input + output / (121.0 * 121.0);
     assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
 }
 
-/// 1 + 40 x 36/12, by the teeth; and of any other gear its lobes.
+/// 1 + 40 x 36/12 from the teeth; for other gears the number of lobes.
 #[test]
 fn published_ratio_of_a_catalogue() {
     let scene = Scene::load("rv-40e-like", &[]).unwrap();

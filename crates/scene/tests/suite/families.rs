@@ -10,7 +10,7 @@ const LAYOUT: Layout = Layout {
     internal_sleeves: 3,
 };
 
-/// Every family's pattern asks for exactly its own members, and no two columns share a name.
+/// Every family's pattern selects exactly its own members, and column names are unique.
 #[test]
 fn a_family_is_its_pattern() {
     let all: Vec<Chosen> = FAMILIES.iter().flat_map(|f| f.members(LAYOUT)).collect();

@@ -1,4 +1,4 @@
-//! Every kind of fault is refused with its key, its line and a remedy, on one line.
+//! Refusals of every kind of fault with key, line and remedy, on one line.
 
 use pinwheel_scene::{Location, Override, Scene, SceneError, preset};
 
@@ -6,7 +6,7 @@ fn overrides(texts: &[&str]) -> Vec<Override> {
     texts.iter().map(|text| text.parse().unwrap()).collect()
 }
 
-/// The error of `paper` with these overrides.
+/// Returns the error of `paper` with these overrides.
 fn refused(texts: &[&str]) -> String {
     let error = Scene::load("paper", &overrides(texts)).expect_err(&texts.join(" "));
     assert!(matches!(error, SceneError::Key { .. }), "{error:?}");
@@ -17,7 +17,7 @@ fn refused(texts: &[&str]) -> String {
     line
 }
 
-/// Settings that a remedy names, each a way of its own: `key = value`, a value that was meant, a bound, another key.
+/// Returns the settings in a remedy, each a separate way: `key = value`, an intended value, a bound, another key.
 fn ways(key: &str, remedy: &str) -> Vec<String> {
     let table = key.rsplit_once('.').map_or("", |(table, _)| table);
     let mut ways = Vec::new();
@@ -43,7 +43,7 @@ fn ways(key: &str, remedy: &str) -> Vec<String> {
     ways
 }
 
-/// Follows a remedy to the letter: what it names must pass the check that refused.
+/// Checks that the settings of a remedy pass the check that refused.
 fn followed(texts: &[&str], error: &SceneError) {
     let SceneError::Key {
         key, what, remedy, ..
@@ -65,7 +65,7 @@ fn followed(texts: &[&str], error: &SceneError) {
     }
 }
 
-/// The error of this text, read as `mine.toml`.
+/// Returns the error of this text, read as `mine.toml`.
 fn refused_text(text: &str) -> String {
     let line = Scene::from_toml(text, "mine.toml", &[])
         .expect_err(text)
@@ -370,7 +370,7 @@ fn parts_that_do_not_fit() {
     }
 }
 
-/// The advice of a message, followed, must be accepted.
+/// A message's advice must be accepted.
 #[test]
 fn remedies_hold() {
     for (bad, good) in [
@@ -521,11 +521,11 @@ fn channels_from_file_and_command_line() {
             .len(),
         2
     );
-    // What asks for nothing writes nothing: files of before stay as they were.
+    // An empty selection writes nothing, so that earlier files stay unchanged.
     assert!(!Scene::paper().to_toml().contains("output]"));
 }
 
-/// The error of the paper's gear with these lines at its end.
+/// Returns the error of the paper's gear with these lines at its end.
 fn refused_deviation(lines: &str) -> String {
     refused_text(&format!("base = \"paper\"\n{lines}"))
 }

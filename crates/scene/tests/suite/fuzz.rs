@@ -1,10 +1,10 @@
-//! Nothing a user can write makes the reader panic, and what it accepts is sound.
+//! No input panics the reader, and accepted scenes are valid.
 
 use proptest::prelude::*;
 
 use pinwheel_scene::{CheckedScene, Override, Scene, assumptions, derived, preset};
 
-/// Whatever the outcome: no panic, one line of message, figures that are numbers.
+/// Checks any outcome: no panic, one line of message, finite figures.
 fn survives(result: Result<CheckedScene, pinwheel_scene::SceneError>) {
     match result {
         Ok(scene) => {

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use pinwheel_scene::internals::{Profile, external_sleeves, holes_inside_the_wheel, profile};
 use pinwheel_scene::{Gear, Scene};
 
-/// Points of the profile, and the polar angle of hole k of disc i in the disc's frame.
+/// Returns the polar angle of hole k of disc i in the disc's frame.
 fn hole_angles(gear: &Gear) -> Vec<f64> {
     let zs = gear.lobes() as f64;
     (0..gear.wheels)
@@ -18,7 +18,7 @@ fn hole_angles(gear: &Gear) -> Vec<f64> {
         .collect()
 }
 
-/// Smallest distance of a hole's centre from the profile by brute force, m; negative outside it.
+/// Returns the smallest distance of a hole's centre from the profile by brute force, m; negative outside.
 fn room(gear: &Gear) -> f64 {
     let curve = Profile::of(gear);
     let edge: Vec<[f64; 2]> = (0..20_000)
@@ -36,7 +36,7 @@ fn room(gear: &Gear) -> f64 {
                 let x = p[0] + (centre[1] - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
                 inside ^= x > centre[0];
             }
-            // To the chord, not to its ends: those stand as far apart as a small hole is wide.
+            // Distance to the chord, because its ends are as far apart as a small hole is wide.
             let [dx, dy] = [q[0] - p[0], q[1] - p[1]];
             let along = (centre[0] - p[0]) * dx + (centre[1] - p[1]) * dy;
             let share = (along / (dx * dx + dy * dy)).clamp(0.0, 1.0);
@@ -88,7 +88,7 @@ proptest! {
         }
     }
 
-    /// No part of an accepted profile comes nearer to C than q: it neither folds nor crosses.
+    /// No part of an accepted profile is nearer to C than q: it neither folds nor crosses.
     #[test]
     fn accepted_profiles_do_not_cross(zk in 3..30_usize, m in 0.01..0.999_f64, q in 0.01..1.2_f64) {
         let gear = gear(zk, 8, 1, m, q, 0.5);
@@ -108,10 +108,10 @@ proptest! {
     }
 }
 
-/// A hole beyond the circle of the pits is fine where a lobe covers it, and not where a pit is.
+/// A hole beyond the circle of the pits is valid behind a lobe, and not behind a pit.
 #[test]
 fn holes_are_measured_where_they_stand() {
-    // Eight lobes, eight holes: those of disc 1 stand in the pits' directions.
+    // Eight lobes, eight holes: those of disc 1 are in the pits' directions.
     let mut gear = gear(9, 8, 1, 0.7, 0.5, 0.6);
     let pit = Profile::of(&gear).pit_radius();
     gear.hole_radius_m = 0.01;
@@ -119,7 +119,7 @@ fn holes_are_measured_where_they_stand() {
     assert!(holes_inside_the_wheel(&gear).is_ok());
     gear.internal_circle_radius_m = pit - 0.0099;
     assert!(holes_inside_the_wheel(&gear).is_err());
-    // The same holes on a curve turned by half a lobe's pitch would be covered by lobes.
+    // On a curve turned by half a lobe's pitch the same holes would be behind lobes.
     let lobe = Profile::of(&gear);
     let circle = gear.internal_circle_radius_m;
     let at = |angle: f64| {

@@ -1,8 +1,8 @@
-//! The table of keys.
+//! Table of keys.
 
 use pinwheel_scene::KEYS;
 
-/// Every list with an entry, by the keys' own names.
+/// Errors with one entry in every list, by the keys' names.
 fn every_error() -> pinwheel_scene::Errors {
     let lists = KEYS.iter().filter_map(|key| {
         let name = key.name.strip_prefix("gear.errors.")?;
@@ -19,7 +19,7 @@ fn names_differ_and_say_what_they_are() {
     }
 }
 
-/// Every field of the model has a row, and every row but those that only serve reading a field.
+/// Every field of the model has a row, and every row a field except those that only serve reading.
 #[test]
 fn rows_are_the_model() {
     fn leaves(prefix: &str, table: &toml::Table, all: &mut Vec<String>) {

@@ -1,4 +1,4 @@
-//! The load over time.
+//! Load over time.
 
 use pinwheel_scene::load_profile::*;
 use pinwheel_scene::{Drive, LoadChange, Scene};
@@ -23,13 +23,13 @@ fn a_change_holds_from_its_time_on_and_a_ramp_is_straight() {
     assert_eq!((at(0.0), at(below(0.1)), at(0.1)), (22.0, 22.0, 44.0));
     assert_eq!((at(0.2), at(0.4), at(9.0)), (44.0, -22.0, -22.0));
     assert!((at(0.25) - 11.0).abs() < 1e-12);
-    // The piece that ends keeps its load at its end, where the next one has its own.
+    // The ending segment keeps its load at its end, where the next one has its own.
     assert_eq!(piece_at(&drive, 0.05).torque(0.1), 22.0);
     assert_eq!(breaks(&drive), [0.1, 0.2, 0.2 + 0.1]);
     assert_eq!(largest(&drive), 44.0);
 }
 
-/// 0.2 s + 0.1 s is more than 0.3 s by a rounding.
+/// 0.2 s + 0.1 s exceeds 0.3 s by a rounding.
 #[test]
 fn a_ramp_that_ends_at_the_next_change_is_one_break() {
     let drive = drive(&[(0.2, 44.0, 0.1), (0.3, 0.0, 0.1), (0.5, 1.0, 0.0)]);

@@ -1,4 +1,4 @@
-//! Tests of scenes: keys, faults, presets, and what follows from a scene.
+//! Tests of scenes: keys, faults, presets, and derived quantities.
 
 mod assumptions;
 mod bearings;

@@ -1,4 +1,4 @@
-//! A gear of one's own: nothing comes from the published one unless the scene says so.
+//! A user's gear takes no values from the published one unless the scene requests them.
 
 use pinwheel_scene::{Scene, Source, Start};
 
@@ -49,11 +49,11 @@ fn what_is_left_out_is_derived_and_told() {
         Source::Constant("steel")
     ));
     assert!(of("gear.wheels").is_none(), "it is written");
-    // Every key is written or accounted for.
+    // Every key is written or listed with its origin.
     let written = Scene::from_toml(&scene.to_toml(), "again.toml", &[]).unwrap();
     assert_eq!(*written, *scene);
     assert!(written.origins().is_empty());
-    // Samples stand on steps and end with the run.
+    // Samples are on steps and end with the run.
     let solver = &scene.solver;
     for ratio in [
         solver.sample_s / solver.step_s,
@@ -157,7 +157,7 @@ fn millimetres_are_seen() {
     assert!(line.contains("both given"), "{line}");
 }
 
-/// The pins' circle that a file states replaces the shortening coefficient of its base, and the other way round.
+/// A stated circle of the pins replaces the shortening coefficient of the base, and vice versa.
 #[test]
 fn what_follows_from_a_stated_key_is_not_inherited() {
     let circle =
@@ -178,8 +178,8 @@ fn what_follows_from_a_stated_key_is_not_inherited() {
     );
 }
 
-/// The parameters of a law are known before ramp and damping follow from the law: a scene that writes the filled-in
-/// value is the same.
+/// The parameters of a law are filled in before ramp and damping, which depend on the law: a scene that states the
+/// filled-in value is equal.
 #[test]
 fn regress_ramps_follow_from_the_law_as_filled_in() {
     for law in ["constant", "adams-impact", "line-contact", "line-hertz"] {

@@ -1,4 +1,4 @@
-//! The presets are valid, described, complete and what the paper says.
+//! Presets are valid, described, complete and equal to the paper's data.
 
 use pinwheel_scene::{Detection, PRESETS, Scene, derived};
 
@@ -39,7 +39,7 @@ fn the_paper_is_its_preset() {
     assert_eq!(load("paper"), Scene::paper());
 }
 
-/// paper.toml is what people copy: every key that can be written stands in it.
+/// paper.toml, often copied, has every key.
 #[test]
 fn paper_shows_every_key() {
     let paper: toml::Table = pinwheel_scene::preset("paper").unwrap().parse().unwrap();
@@ -94,7 +94,7 @@ fn presets_differ_as_they_say() {
     assert!((gyration - 0.044_45).abs() < 5e-6, "{gyration}");
 }
 
-/// The loads of the other gears: a third of the paper's force on a ring pin, as their comments say.
+/// Loads of the other gears: a third of the paper's force on a ring pin, as stated in their comments.
 #[test]
 fn other_gears_are_lightly_loaded() {
     let paper = derived(&load("paper")).external_force_estimate_n;

@@ -1,11 +1,11 @@
-//! The curve C and its offset.
+//! Curve C and its offset.
 
 use pinwheel_scene::internals::Profile;
 use pinwheel_scene::{Gear, Scene};
 
 #[test]
 fn the_papers_smallest_convex_radius() {
-    // By an independent program: 13.12258 mm on C, 7.1226 mm on the profile.
+    // From an independent program: 13.12258 mm on C, 7.1226 mm on the profile.
     let profile = Profile::of(&Scene::paper().gear);
     assert!((profile.smallest_convex_radius() - 0.013_122_58).abs() < 5e-9);
     assert!((1.0 / profile.curvature(1.0) - 0.006 - 0.009_160_7).abs() < 5e-8);

@@ -1,10 +1,10 @@
-//! Every remedy is followed, on gears made wrong at random.
+//! Every remedy is applied, on randomly spoilt gears.
 
 use crate::catalogue::catalogue;
 use pinwheel_scene::catalogue::Catalogue;
 use pinwheel_scene::{Override, Scene, SceneError};
 
-/// Numbers from 0 to 1, the same on every machine.
+/// Random numbers from 0 to 1, equal on every machine.
 struct Random(u64);
 
 impl Random {
@@ -25,7 +25,7 @@ impl Random {
     }
 }
 
-/// A gear that can be built, as a scene that gives R and leaves the holes to follow, or that gives m and everything.
+/// Returns a valid gear, as a scene with R and holes that follow, or with m and all values.
 fn sound(random: &mut Random) -> (String, bool) {
     let size = 10_f64.powf(random.between(1.0, 2.8));
     let ratio = random.between(5.0, 90.0) as usize;
@@ -43,7 +43,7 @@ fn sound(random: &mut Random) -> (String, bool) {
     (text, gives_circle)
 }
 
-/// Keys of a gear, and how its value is made wrong: times a factor, or a share of the eccentricity where it is none yet.
+/// Returns a key of a gear and a wrong value: times a factor, or for a value of 0 a share of the eccentricity.
 fn spoilt(random: &mut Random, scene: &Scene, gives_circle: bool) -> (String, f64) {
     let gear = &scene.gear;
     let circle = if gives_circle {
@@ -83,7 +83,7 @@ fn load(text: &str, sets: &[(String, f64)]) -> Result<(), SceneError> {
     Scene::from_toml(text, "mine.toml", &sets).map(|_| ())
 }
 
-/// Remedies that a message of geometry offers: ways, each of which sets keys. `None`: a single value out of its range.
+/// Returns the remedies of a geometry message: ways, each with keys to set. `None`: a single value out of its range.
 fn offered(error: &SceneError) -> Option<Vec<Vec<(String, f64)>>> {
     let SceneError::Key {
         key, what, remedy, ..
@@ -111,7 +111,7 @@ fn offered(error: &SceneError) -> Option<Vec<Vec<(String, f64)>>> {
     Some(ways.collect())
 }
 
-/// Followed to the letter, each way ends at a gear that can be built, in two steps at most.
+/// Each way of a remedy leads to a valid gear, in two steps at most.
 #[test]
 fn every_remedy_of_every_geometry_error_works() {
     let mut random = Random(7);
@@ -162,7 +162,7 @@ fn every_remedy_of_every_geometry_error_works() {
     assert!(wrong > 200 && ways_followed > wrong);
 }
 
-/// A catalogue whose data do not go together names what, left out or as suggested, makes them a gear.
+/// A catalogue of inconsistent data names the value whose omission or suggestion gives a valid gear.
 #[test]
 fn every_remedy_of_a_catalogue_works() {
     let mut random = Random(3);

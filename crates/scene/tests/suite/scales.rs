@@ -13,7 +13,7 @@ fn the_papers_modes() {
     assert!((0.1..0.4).contains(&settled), "{settled}");
 }
 
-/// A hundred times the Hertzian stiffness, and a law whose stiffness is not Hertz'.
+/// A hundred times the Hertzian stiffness, and a law with another stiffness.
 #[test]
 fn the_law_decides() {
     let mut scene = Scene::paper();
@@ -26,7 +26,7 @@ fn the_law_decides() {
     assert!(Scales::of(&scene).modes_rad_s[1] > 1.5 * stiff);
 }
 
-/// Lengths, masses, times and forces of a gear scaled together: every ratio stays.
+/// Lengths, masses, times and forces of a gear scaled together keep every ratio.
 #[test]
 fn similar_gears_have_similar_scales() {
     for load in [22.0, 0.0] {

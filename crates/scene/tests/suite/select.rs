@@ -1,4 +1,4 @@
-//! Channels asked for by pattern.
+//! Selection of channels by pattern.
 
 use pinwheel_scene::Layout;
 use pinwheel_scene::channels::{MOST_PATTERNS, select};
@@ -27,7 +27,7 @@ fn asks_for_columns_by_name_and_pattern() {
         ["efficiency", "wheel_1_internal_stiffness_n_m15_7"]
     );
     assert_eq!(names(&["wheel_*_external_penetration_m_3"]).len(), 2);
-    // Recorded anyway.
+    // Recorded without request.
     assert!(names(&["input_torque_n_m"]).is_empty());
     // The gear, discs, shafts' bearings, eccentrics', pins, pairs.
     let all = 7 + 2 * 9 + 2 * 3 + 2 * 7 + 24 * 4 + 2 * 24 * 12;

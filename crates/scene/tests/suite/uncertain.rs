@@ -1,4 +1,4 @@
-//! `[uncertain]`: read in every form TOML has for it, kept, and refused where it makes no sense.
+//! `[uncertain]`: read in every TOML form, stored, and refused if invalid.
 
 use pinwheel_scene::{CheckedScene, Scene};
 
@@ -75,7 +75,7 @@ fn a_number_is_changed_by_its_key() {
     let moved = scene.with_number("mass.wheel.mass_kg", 0.7).unwrap();
     assert_eq!(moved.mass.wheel.mass_kg, 0.7);
     assert_eq!(moved.number("mass.wheel.mass_kg"), Some(0.7));
-    // A value that is moved is known: its interval does not move along, out of the key's range.
+    // A changed value is exact: its interval does not move with it, out of the key's range.
     let scene =
         read("gear.backlash_m = 5e-6\n[uncertain]\ngear.backlash_m = { plus_minus = 5e-6 }")
             .unwrap();

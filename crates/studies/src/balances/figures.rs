@@ -1,8 +1,9 @@
-//! The figures that a data sheet gives, each with how far it may be off.
+//! Figures of a data sheet, each with its uncertainty.
 //!
-//! Statics balances contacts to rounding; what is left is that poses are sampled. Every figure is read off all poses and off
-//! each part of them, which meet the mesh at other places: the largest change is its numerical uncertainty. A figure of a
-//! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
+//! Statics balances contacts to rounding, so the sampling of poses is the remaining error. Each figure is evaluated over
+//! all poses and over each of their parts, which sample the mesh at other places: the largest difference is its numerical
+//! uncertainty. A figure of a run has the run's uncertainty. The effect of other contact laws is separate
+//! ([`Band`](crate::band::Bands)).
 
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{Scene, speed_profile};
@@ -11,16 +12,16 @@ use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use super::mesh::{Bearing, Largest, Pair, Pose, Stage};
 use super::spread::{ARCMIN, Spread};
 
-/// Shares of the rated torque between which lost motion is counted.
+/// Share of the rated torque, to either side of 0, for lost motion.
 pub(crate) const LOST: f64 = 0.03;
 /// Error of a figure due to balances: their angles are accurate to 2e-15 rad, forces to 1e-10.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// Results of statics at all poses, before they are summed up.
+/// Results of statics at all poses.
 pub(crate) struct Balances {
-    /// Parts that the poses are made of.
+    /// Number of parts of the poses.
     pub(crate) parts: usize,
-    /// Cranks carry the discs, as in an RV gear.
+    /// True if cranks carry the discs, as in an RV gear.
     pub(crate) on_cranks: bool,
     /// Loads are those of a slow motion in which parts rub.
     pub(crate) rubs: bool,
@@ -30,23 +31,23 @@ pub(crate) struct Balances {
     pub(crate) stiffness: Vec<[f64; 2]>,
     /// Poses of one period under the rated load.
     pub(crate) loaded: Vec<Pose>,
-    /// And under next to none.
+    /// Poses of one period under nearly no load.
     pub(crate) unloaded: Vec<Pose>,
 }
 
-/// Sums of the figures of all poses.
+/// Statistics over the poses.
 pub(crate) struct Summed {
     on_cranks: bool,
     pub(crate) lost: Spread,
     pub(crate) stiffness: Spread,
     /// Largest force of a pair in a pose, N, of ring pins and of output pins or cranks.
     force: [Spread; 2],
-    /// Touching pairs of a disc, mean over the poses.
+    /// Number of touching pairs of a disc, mean over the poses.
     touching: [f64; 2],
     /// Largest pressure, Pa, and largest product of pressure and sliding speed, W/m^2.
     pressure: [f64; 2],
     sliding: f64,
-    /// Force of a pose on the bearing that carries most in it, N.
+    /// Force of a pose on its most loaded bearing, N.
     bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
     error: [f64; 2],
@@ -54,21 +55,22 @@ pub(crate) struct Summed {
     quantum: f64,
 }
 
-/// How fast the rings of an eccentric bearing turn against each other, rad/s.
+/// Returns the relative speed of the rings of an eccentric bearing, rad/s.
 fn bearing_rate_rad_s(scene: &Scene) -> f64 {
     scene.eccentric_speed_rad_s().abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
 }
 
-/// Power of the output at the rated speed and load, W.
+/// Returns the power of the output at the rated speed and load, W.
 fn rated_w(scene: &Scene) -> f64 {
     let turns = speed_profile::fastest_rad_s(&scene.drive) * scene.output_per_input();
     (scene.drive.output_torque_n_m * turns).abs()
 }
 
-/// Basic rating life of the most loaded eccentric bearing, where the scene has its dynamic rating; `carried`: forces of each, N.
+/// Returns the basic rating life of the most loaded eccentric bearing if the scene has its dynamic rating; `carried`:
+/// forces of each, N.
 ///
-/// ISO 281: L10 = (C/P)^p million turns of the bearing's rings against each other, P the mean of the force's p-th power; p is
-/// 10/3 of rollers and 3 of balls, which an exponent of 3/2 tells.
+/// ISO 281: L10 = (C/P)^p million relative turns of the bearing's rings, P the mean of the force's p-th power; p is 10/3
+/// for rollers and 3 for balls, which the exponent 3/2 of the bearing's law identifies.
 fn life(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     let bearing = scene.bearings.eccentric?;
     let by_rollers = || scene.roller_ratings_n().map(|[_, dynamic]| dynamic);
@@ -88,7 +90,7 @@ fn life(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     Some(balanced(&defs::BEARING_LIFE, least))
 }
 
-/// Loss by the friction of all eccentric bearings at the rated speed and load.
+/// Returns the friction loss of all eccentric bearings at the rated speed and load.
 fn bearing_loss(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     let law = BearingLaw::of(scene).filter(|law| law.drag_m > 0.0)?;
     let rate = bearing_rate_rad_s(scene);
@@ -100,7 +102,7 @@ fn bearing_loss(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     Some(balanced(&defs::BEARING_LOSS, 100.0 * lost / rated_w(scene)))
 }
 
-/// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the discs.
+/// Returns the friction loss of all sleeves on their pins at the rated speed and load, if they roll on the discs.
 fn sleeve_loss<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene) -> Option<Figure> {
     let drag = scene.sleeve_drag()?;
     let lost = |pair: &Pair| drag[pair.sleeve.side()] * pair.force_n * pair.sliding_m_s;
@@ -108,7 +110,7 @@ fn sleeve_loss<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene) -> Opti
     Some(balanced(&defs::SLEEVE_LOSS, 100.0 * mean / rated_w(scene)))
 }
 
-/// Loss of the seals at the rated speed; `None` without seals.
+/// Returns the loss of the seals at the rated speed; `None` without seals.
 fn seal_loss(scene: &Scene) -> Option<Figure> {
     let (bearings, ratio) = (&scene.bearings, scene.ratio());
     let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
@@ -119,7 +121,7 @@ fn seal_loss(scene: &Scene) -> Option<Figure> {
     })
 }
 
-/// Takes the values of lost motion where parts overlap, with the reason `preloaded`.
+/// Removes the values of lost motion if parts overlap, with the reason `preloaded`.
 pub(crate) fn withhold_lost_motion(figures: &mut [Figure], preloaded: Option<&String>) {
     let lost =
         |figure: &&mut Figure| figure.is(&defs::LOST_MOTION) || figure.is(&defs::LOST_MOTION_RUN);
@@ -131,7 +133,7 @@ pub(crate) fn withhold_lost_motion(figures: &mut [Figure], preloaded: Option<&St
 }
 
 impl Balances {
-    /// Evaluation over the poses whose number leaves `of` when divided by `every`.
+    /// Evaluates the poses whose number has the remainder `of` after division by `every`.
     pub(crate) fn summed(&self, every: usize, of: usize) -> Summed {
         fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
             list.iter().skip(of).step_by(every).collect()
@@ -165,8 +167,8 @@ impl Balances {
         }
     }
 
-    /// Forces of each disc's bearing over some of the poses, N. On cranks those of all: in the next period each crank
-    /// stands where its neighbour does in this one.
+    /// Returns the forces of each disc's bearing over some of the poses, N. With cranks all bearings count: in the next
+    /// period each crank is at the place of its neighbour.
     pub(crate) fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
         let poses = self.loaded.iter().skip(of).step_by(every);
         let Some(cranks) = scene.cranks else {
@@ -178,14 +180,14 @@ impl Balances {
             for pair in pose.of(Stage::Internal) {
                 all[pair.wheel].push(pair.force_n);
             }
-            // Bearings that carry nothing count too.
+            // Bearings without a force count too.
             let whole = (number + 1) * cranks.count;
             all.iter_mut().for_each(|forces| forces.resize(whole, 0.0));
         }
         all
     }
 
-    /// Life and losses of what turns under the rated load; none of a gear at rest.
+    /// Returns life and losses of bearings, sleeves and seals under the rated load; empty for a gear at rest.
     pub(crate) fn of_bearings(&self, scene: &Scene) -> Vec<Figure> {
         if speed_profile::fastest_rad_s(&scene.drive) == 0.0 {
             return Vec::new();
@@ -204,7 +206,7 @@ impl Balances {
         figures
     }
 
-    /// The figures of statics; of lost motion none where parts overlap.
+    /// Returns the figures of statics; without lost motion if parts overlap.
     pub(crate) fn figures(&self) -> Vec<Figure> {
         let mut figures = parted(self.parts, |every, of| self.summed(every, of).figures());
         withhold_lost_motion(&mut figures, self.preloaded().as_ref());
@@ -212,8 +214,8 @@ impl Balances {
         figures
     }
 
-    /// That parts press on each other without a load by more than the torque under which lost motion is found makes of it:
-    /// then nothing is lost, and the twist between +3 and -3 % says how stiff the gear is.
+    /// Returns a message if parts overlap: the largest force without a load exceeds 3 % of the rated one. Nothing is lost
+    /// then, and the twist between +3 and -3 % shows the stiffness.
     pub(crate) fn preloaded(&self) -> Option<String> {
         let largest = |poses: &[Pose], of: fn(&Largest) -> f64| {
             let both = poses.iter().flat_map(|pose| &pose.largest);
@@ -227,7 +229,7 @@ impl Balances {
     }
 }
 
-/// The figure of a value that balances give.
+/// Returns the figure of a value from balances.
 pub(crate) fn balanced(def: &FigureDef, value: f64) -> Figure {
     def.of(value, ROUNDING * value.abs())
 }
@@ -237,7 +239,7 @@ pub(super) fn over(def: &FigureDef, value: f64, spread: &Spread) -> Figure {
     balanced(def, value).over(spread, ROUNDING)
 }
 
-/// Figures of every so many poses from one on: those of all, as uncertain as those of any of so many parts differ from them.
+/// Returns the figures of all poses; their uncertainty is the largest difference to those of any of the `parts`.
 pub(crate) fn parted(parts: usize, of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
     let mut figures = of(1, 0);
     for part in 0..parts {

@@ -1,4 +1,4 @@
-//! Balances over one period of the mesh, and what is read off them.
+//! Balances over one period of the mesh, and their evaluation.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,21 +12,21 @@ use serde::Serialize;
 use super::orders::ForceHarmonic;
 use super::spread::Spread;
 
-/// Places around the eccentric at which the sharing is kept, of each side of it.
+/// Number of places on each side of the eccentric for the load sharing.
 const PLACES: usize = 180;
 
-/// Which pins.
+/// Kind of pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
-    /// On the housing.
+    /// Ring pins.
     External,
-    /// On the output.
+    /// Output pins.
     Internal,
 }
 
 impl Stage {
-    /// Both, external first.
+    /// Both kinds, external first.
     pub const BOTH: [Self; 2] = [Self::External, Self::Internal];
 
     fn has(self, sleeve: Sleeve) -> bool {
@@ -37,20 +37,20 @@ impl Stage {
     }
 }
 
-/// A touching pair of a balance; of an RV gear a crank's bearing stands for that of an output pin.
+/// Touching pair of a balance; in an RV gear a crank's bearing replaces an output pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// Disc.
     pub wheel: usize,
     /// Pin.
     pub sleeve: Sleeve,
-    /// Where the pin stands from the disc's eccentric about the gear's axis, -pi to pi, rad.
+    /// Angle of the pin from the disc's eccentric about the gear's axis, -pi to pi, rad.
     pub place_rad: f64,
-    /// F_n, N.
+    /// Normal force F_n, N.
     pub force_n: f64,
-    /// How deep it is pressed in, m.
+    /// Penetration, m.
     pub penetration_m: f64,
-    /// p0 of the line contact, Pa.
+    /// Pressure p0 of the line contact, Pa.
     pub pressure_pa: f64,
     /// Sliding speed of the disc on a pin that does not turn, m/s.
     pub sliding_m_s: f64,
@@ -89,14 +89,14 @@ impl Largest {
     }
 }
 
-/// A balance.
+/// Results of a balance.
 pub(crate) struct Pose {
-    /// Output angle less the ideal mesh's, rad.
+    /// Output angle less that of the ideal mesh, rad.
     pub(crate) error_rad: f64,
     /// Largest loads on ring pins and on output pins or cranks.
     pub(crate) largest: [Largest; 2],
     /// Touching pairs, and the force of the contacts on every disc, N: away from the input's axis, and counter-clockwise
-    /// about it. Both are empty where only forces were wanted.
+    /// about it. Both are empty if only largest forces are requested.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) bearings: Vec<[f64; 2]>,
     /// Force on the bearing that carries most, N.
@@ -105,12 +105,12 @@ pub(crate) struct Pose {
     pub(crate) driver_n_m: Option<f64>,
 }
 
-/// Loads of a balance that are wanted.
+/// Requested loads of a balance.
 #[derive(Clone, Copy)]
 pub(crate) enum Wanted<'a> {
     Nothing,
     Forces,
-    /// All of every pair, which is kept.
+    /// All data of every pair.
     Pairs(&'a LinePressure),
 }
 
@@ -122,7 +122,7 @@ struct Eccentric {
 }
 
 impl Pose {
-    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
+    /// Solves a pose. `near` is the balance under the same load at the previous pose, if any; on return that of this one.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
@@ -200,7 +200,7 @@ impl Pose {
         pose
     }
 
-    /// Adds a pair, which is kept with its place from the eccentrics where these are given.
+    /// Adds a pair, and stores it with its place if eccentrics are given.
     fn add(&mut self, mut pair: Pair, contact: &PairContact, from: Option<&Vec<Eccentric>>) {
         let stage = usize::from(Stage::Internal.has(pair.sleeve));
         self.largest[stage].add(&pair);
@@ -222,7 +222,7 @@ impl Pose {
 }
 
 impl Pair {
-    /// A contact with its force alone.
+    /// Returns a contact with its force alone.
     fn loaded(contact: &PairContact) -> Self {
         Self {
             wheel: contact.wheel,
@@ -236,12 +236,12 @@ impl Pair {
     }
 }
 
-/// An angle about the gear's axis from an eccentric's, -pi to pi.
+/// Returns an angle about the gear's axis from an eccentric's, -pi to pi.
 fn from_eccentric(angle: f64, eccentric: f64) -> f64 {
     (angle - eccentric + PI).rem_euclid(TAU) - PI
 }
 
-/// Sliding speed of a disc on a pin that does not turn, m/s.
+/// Returns the sliding speed of a disc on a pin that does not turn, m/s.
 fn sliding_m_s(gearbox: &Gearbox, eccentric: &Eccentric, contact: &PairContact) -> f64 {
     let geometry = &gearbox.geometry;
     // Velocity of the disc at W: about its centre at -omega/zs, and with it along the eccentric's circle.
@@ -262,18 +262,18 @@ fn sliding_m_s(gearbox: &Gearbox, eccentric: &Eccentric, contact: &PairContact) 
     (velocity[1] * nx - velocity[0] * ny).abs()
 }
 
-/// Who carries the load.
+/// Load sharing among the pins.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sharing {
-    /// Which pins.
+    /// Kind of pins.
     pub stage: Stage,
     /// Largest force of a pair in a pose, N.
     pub largest_force_n: Spread,
-    /// Touching pairs of a disc.
+    /// Number of touching pairs of a disc.
     pub touching: Spread,
-    /// Places around the eccentric, degrees: -180 to 180.
+    /// Angles from the eccentric, degrees: -180 to 180.
     pub place_deg: Vec<f64>,
-    /// Largest force of a pair at that place, N; 0 where none touches.
+    /// Largest force of a pair at that angle, N; 0 without contact.
     pub force_n: Vec<f64>,
 }
 
@@ -303,11 +303,11 @@ impl Sharing {
 /// Pressure and sliding over the poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pressure {
-    /// Which pins.
+    /// Kind of pins.
     pub stage: Stage,
     /// Largest p0, Pa.
     pub largest_pa: f64,
-    /// Where, from the eccentric, degrees.
+    /// Angle of the largest pressure from the eccentric, degrees.
     pub largest_at_deg: f64,
     /// Largest sliding speed of a loaded pair on a pin that does not turn, m/s.
     pub sliding_m_s: f64,
@@ -342,18 +342,18 @@ impl Pressure {
 pub struct Bearing {
     /// Disc.
     pub wheel: usize,
-    /// Its size, N.
+    /// Magnitude of the force, N.
     pub force_n: Spread,
     /// Away from the input's axis, N, over the period.
     pub radial_n: Vec<f64>,
-    /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this disc takes.
+    /// Component counter-clockwise about the input's axis, N, over the period: times e, the torque of this disc.
     pub tangential_n: Vec<f64>,
-    /// The largest harmonics of the part away from the axis, largest first.
+    /// Largest harmonics of the radial component, largest first.
     pub radial_harmonics: Vec<ForceHarmonic>,
 }
 
 impl Bearing {
-    /// Size of the force over the period, N.
+    /// Returns the magnitude of the force over the period, N.
     pub(crate) fn forces_n(&self) -> impl Iterator<Item = f64> {
         (self.radial_n.iter().zip(&self.tangential_n)).map(|(r, t)| r.hypot(*t))
     }

@@ -1,4 +1,4 @@
-//! Figures of a gear by statics: balances over one period of the mesh, and what data sheets give of them.
+//! Figures of a gear by statics: balances over one period of the mesh, and data-sheet figures from them.
 //!
 //! ```text
 //! poses ──> solve ──> mesh: pairs, sharing, pressure, bearings ──> branches: friction ──> figures, orders

@@ -1,16 +1,16 @@
-//! Harmonics of what repeats with the mesh.
+//! Harmonics of quantities that repeat with the mesh.
 
 use serde::Serialize;
 
 use super::poses::Poses;
 use crate::fourier::moduli;
 
-/// Harmonics that are kept.
+/// Number of stored harmonics.
 const KEPT: usize = 12;
-/// Share of the largest below which a harmonic is the balance's rounding.
+/// Share of the largest harmonic below which one is rounding.
 const LEAST: f64 = 1e-6;
 
-/// One harmonic.
+/// Harmonic of an angle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Harmonic {
     /// Cycles per turn of the input.
@@ -23,7 +23,7 @@ pub struct Harmonic {
     pub of: &'static str,
 }
 
-/// One harmonic of a force.
+/// Harmonic of a force.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ForceHarmonic {
     /// Cycles per turn of the input.
@@ -64,8 +64,8 @@ pub(crate) fn of_angle(angle_arcmin: &[f64], poses: &Poses) -> Vec<Harmonic> {
     )
 }
 
-/// Returns the largest harmonics over one period from their orders, amplitude and source; none where the poses are too few for the
-/// harmonics of the meshes, which would look like others.
+/// Returns the largest harmonics over one period from their orders, amplitude and source; empty if too few poses would
+/// alias the harmonics of the meshes.
 fn largest<T>(
     values: &[f64],
     poses: &Poses,

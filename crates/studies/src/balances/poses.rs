@@ -4,27 +4,27 @@ use std::f64::consts::TAU;
 
 use pinwheel_scene::Scene;
 
-/// Poses for one passage of a pin.
+/// Number of poses for one passage of a pin.
 const PER_MESH: usize = 16;
-/// Poses at most, of which a passage has four at least where pins of a gear with errors meet again after many.
+/// Largest number of poses with at least four a passage, for gears with errors whose pins meet again after many passages.
 pub const MOST: usize = 4096;
-/// Poses at most of any gear. Those of a large one with errors meet passages at places that differ from one to the next, and what
-/// parts of them differ by is in the +-.
+/// Largest number of poses. Those of a large gear with errors sample passages at differing places; the +- includes the
+/// differences of their parts.
 pub const MOST_OF_ALL: usize = 4 * MOST;
-/// The poses of one period.
+/// Poses of one period.
 ///
-/// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric a ring pin follows the other after 2 pi/zk of the input, an internal one after
-/// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
-/// errors of their own meet again only when the output has turned once.
+/// Angles are those of the eccentrics, which are the input's except in RV gears: ring pins follow each other at the
+/// eccentric after 2 pi/zk of the input, output pins after 2 pi zs/(zi zk). Both repeat together after 2 pi zs/(g zk), g =
+/// gcd(zs, zi): less than a turn of the input. Parts with individual errors repeat only after a turn of the output.
 pub struct Poses {
     /// Input angles, rad.
     pub angles: Vec<f64>,
-    /// Parts of them that figures are read off.
+    /// Number of parts for uncertainties.
     pub(crate) parts: usize,
     wheels: usize,
     /// Period of the input, rad.
     pub(crate) period: f64,
-    /// Passages of ring and output pins in it.
+    /// Passages of ring and output pins in a period.
     pub meshes: [usize; 2],
     /// Periods per turn of the input.
     pub(crate) per_turn: f64,
@@ -32,12 +32,12 @@ pub struct Poses {
     pub(crate) ratio: f64,
 }
 
-/// Fewest poses of a part: a mean over them leaves out no harmonic of the mesh that is seen.
+/// Least number of poses of a part: its mean then excludes no visible harmonic of the mesh.
 const LEAST_PART: usize = 9;
 
-/// At least so many angles at equal distances over a period, in equal parts that take turns, and the number of parts. Every part
-/// and all together meet either mesh of every disc at as many different places as they have angles, because neither number
-/// has a factor in common with the passages.
+/// Returns at least `least` equidistant angles over a period, in equal interleaved parts, and the number of parts. Every
+/// part and all together sample the mesh of every disc at as many different places as they have angles, because neither
+/// number has a common factor with the passages.
 fn spread(period: f64, meshes: [usize; 2], least: usize) -> (Vec<f64>, usize) {
     let alone = |n: &usize| meshes.iter().all(|mesh| gcd(*n, *mesh) == 1);
     let parts = (3..).find(alone).unwrap_or(3);
@@ -55,7 +55,7 @@ fn gcd(mut a: usize, mut b: usize) -> usize {
 }
 
 impl Poses {
-    /// At least so many of the same period.
+    /// Returns at least `least` poses of the same period.
     pub fn few(&self, least: usize) -> Self {
         let (angles, parts) = spread(self.period, self.passages(), least);
         Self {
@@ -65,15 +65,15 @@ impl Poses {
         }
     }
 
-    /// Numbers of all poses, in an order in which pins of both kinds stand nearly as at the one before: a balance begins at
-    /// the last. Pins with errors of their own stand as themselves.
+    /// Returns the numbers of all poses in an order with little motion of both kinds of pins between neighbours, because a
+    /// balance starts from the previous one. Pins with individual errors are distinct.
     pub fn walk(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.angles.len();
         let moved = |stride: usize| {
             let of = |mesh: usize| stride * mesh % count;
             self.meshes.map(|mesh| of(mesh).min(count - of(mesh)))
         };
-        // Passages have a common factor where pins have errors.
+        // Passages have a common factor if pins have errors.
         let own = gcd(self.meshes[0], self.meshes[1]) > 1;
         let stride = (1..if own { 2 } else { count })
             .filter(|stride| gcd(*stride, count) == 1)
@@ -82,17 +82,17 @@ impl Poses {
         (0..count).map(move |k| k * stride % count)
     }
 
-    /// Passages of both kinds of pins at all discs.
+    /// Returns the passages of both kinds of pins at all discs.
     fn passages(&self) -> [usize; 2] {
         self.meshes.map(|mesh| mesh * self.wheels)
     }
 
-    /// True if harmonics of both meshes can be told from so many poses.
+    /// True if the number of poses resolves the harmonics of both meshes.
     pub fn has_harmonics(&self) -> bool {
         self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
     }
 
-    /// Poses of a scene's gear.
+    /// Returns the poses of a scene's gear.
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let g = gcd(gear.lobes(), gear.internal_sleeves);

@@ -1,4 +1,4 @@
-//! Balances at poses over one period of the mesh: the twist under shares of the load, the rated load, next to no load.
+//! Balances at poses over one period of the mesh: the twist under shares of the load, the rated load, nearly no load.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,19 +15,19 @@ use super::spread::ARCMIN;
 use crate::control::of_scene;
 use crate::{Control, StudyError};
 
-/// Shares of the rated torque between which stiffness is counted.
+/// Shares of the rated torque between which stiffness is a secant.
 const STIFF: [f64; 2] = [0.5, 1.0];
-/// Share of the rated torque that stands for no load: contacts still decide where the output is.
+/// Share of the rated torque for no load: contacts still determine the output angle.
 pub(crate) const NO_LOAD: f64 = 1e-4;
 /// Poses at which stiffness, lost motion and hysteresis are found.
 pub(crate) const POSES: usize = 24;
 /// Poses at which contact laws are compared.
 pub(crate) const FEW: usize = 24;
 
-/// The largest load of a scene in the direction in which the gear works, as a moment on the output, N m.
+/// Returns the largest load of a scene in the gear's working direction, as a moment on the output, N m.
 ///
 /// # Errors
-/// There is none.
+/// A scene without a load.
 pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     let scene = &gearbox.scene;
     let rated = load_profile::largest(&scene.drive);
@@ -74,7 +74,7 @@ pub(crate) fn balances(
         let mut near = None;
         along(poses, |done, phi| {
             step(stage, done, poses.angles.len())?;
-            // Without a load only the largest force is looked at; a part of the poses has that of pins that are alike.
+            // Without a load only the largest force is needed; for equal pins one part of the poses has it.
             let wanted = match stage {
                 1 => Wanted::Pairs(&pressure),
                 _ if is_mirrored(gearbox) && done % poses.parts > 0 => Wanted::Nothing,
@@ -99,7 +99,7 @@ pub(crate) fn balances(
     })
 }
 
-/// The figures of a gear's balances at few poses: what other laws are compared by, and what follows a hand.
+/// Returns the figures of a gear's balances at few poses, for comparison of laws and interactive use.
 ///
 /// # Errors
 /// A gear without load, or one that cannot be balanced; `cancel` was set.
@@ -133,8 +133,8 @@ pub(crate) fn at_poses(
     })
 }
 
-/// Twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
-/// balance under the same load before this one, as [`Statics::track`] has it.
+/// Returns the twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
+/// previous balance under the same load for [`Statics::track`].
 pub(crate) fn twist(
     statics: &mut Statics<'_>,
     last: &mut Option<Equilibrium>,
@@ -148,13 +148,13 @@ pub(crate) fn twist(
     Ok(ARCMIN * (output - ideal) * load.signum())
 }
 
-/// True if a gear at the input angle -phi under the load -T is the mirror image of itself at phi under T.
+/// True if a gear at the input angle -phi under the load -T is its mirror image at phi under T.
 pub(crate) fn is_mirrored(gearbox: &Gearbox) -> bool {
     gearbox.scene.gear.errors.is_none()
 }
 
-/// Results of `find` at every pose in either direction of the load, 1 and -1; the backward ones of a gear that is its own mirror
-/// image are those ahead at the opposite pose.
+/// Returns the results of `find` at every pose in both directions of the load, 1 and -1; for a mirrored gear the backward
+/// ones are those forward at the opposite pose.
 pub(crate) fn both_ways<T: Clone>(
     poses: &Poses,
     gearbox: &Gearbox,
@@ -171,7 +171,7 @@ pub(crate) fn both_ways<T: Clone>(
     Ok(pairs.map(|(a, b)| [a.clone(), b.clone()]).collect())
 }
 
-/// Results of `find` at every pose, from its number so far on the way and its input angle.
+/// Returns the results of `find` at every pose, from its position in the order of solution and its input angle.
 pub(crate) fn along<T>(
     poses: &Poses,
     mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
@@ -184,7 +184,7 @@ pub(crate) fn along<T>(
     Ok(found.into_iter().map(|(_, one)| one).collect())
 }
 
-/// Lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
+/// Returns lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
 pub(crate) fn twisted(
     statics: &mut Statics<'_>,
     poses: &Poses,

@@ -1,4 +1,4 @@
-//! Least, mean and largest value over the poses of a mesh, and their unit.
+//! Least, mean and largest value over the poses of a mesh, and arc minutes.
 
 use std::f64::consts::PI;
 

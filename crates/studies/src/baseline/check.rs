@@ -1,4 +1,4 @@
-//! Checking the solver as it is now against an accepted baseline.
+//! Check of the present solver against an accepted baseline.
 
 use pinwheel_gearbox::auto;
 use pinwheel_mbs::integrators::method;
@@ -13,62 +13,62 @@ use super::snapshot::Quantity;
 use crate::StudyError;
 use crate::control::Control;
 
-/// One scene by one solver.
+/// Check of one scene by one solver.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CaseCheck {
     /// Name of the scene.
     pub scene: String,
     /// Name of the solver choice.
     pub choice: String,
-    /// One a quantity; empty if there is nothing to compare.
+    /// Checks by quantity; empty without a comparison.
     pub quantities: Vec<QuantityCheck>,
-    /// Counts; less is better.
+    /// Checks of counts; less is better.
     pub costs: Vec<CostCheck>,
-    /// Hash of every bit of the new run; 0 where there is none.
+    /// Hash of all bits of the new run; 0 without one.
     #[serde(skip)]
     pub bits: u64,
     /// Reason why the case cannot be compared: diverged, not in the baseline, gone from the set.
     pub trouble: Option<String>,
     /// Verdict on the case.
     pub verdict: Verdict,
-    /// Stage that moved, and the likely cause; of the first cases whose error rose.
+    /// Changed stage with the likely cause, for the first cases with an increased error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stage: Option<String>,
 }
 
-/// The whole check.
+/// Complete check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// Program and machine that made the baseline.
     pub before: Made,
     /// Program and machine that made the new runs.
     pub after: Made,
-    /// Solvers that joined; empty: our own.
+    /// Solvers that joined; empty: the native one.
     pub solvers: Vec<String>,
-    /// One a scene and solver, in the order of the set.
+    /// Checks by scene and solver, in the order of the set.
     pub cases: Vec<CaseCheck>,
-    /// Verdict on the whole: the most urgent of all.
+    /// Most urgent verdict of all cases.
     pub verdict: Verdict,
 }
 
-/// One line on what the user brought.
+/// Answer in one line for a solver or a baseline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Answer {
-    /// Solver, or baseline where our own solver ran.
+    /// Name of the solver, or of the baseline for the native solver.
     pub name: String,
-    /// The most urgent verdict.
+    /// Most urgent verdict.
     pub verdict: Verdict,
-    /// Counts by verdict, and which cases ask for something.
+    /// Counts by verdict, and cases that need attention.
     pub text: String,
 }
 
-/// The most cases that a line names.
+/// Largest number of cases named in a line.
 const NAMED: usize = 3;
-/// The most cases of which the stage is sought.
+/// Largest number of cases with a located stage.
 const LOCATED: usize = 1;
 
 impl Check {
-    /// One line for each solver that joined, or for the baseline `name`.
+    /// Returns one line for each solver that joined, or for the baseline `name`.
     #[must_use]
     pub fn answers(&self, name: &str) -> Vec<Answer> {
         let brought = |solver: &String| {
@@ -109,11 +109,10 @@ fn answer(name: &str, mut cases: Vec<&CaseCheck>) -> Answer {
     }
 }
 
-/// Runs the set and judges it against `baseline`; `here` says what makes the new runs. A case that the baseline does not hold is
-/// not run.
+/// Runs the set and compares it with `baseline`; `here` describes the new runs. Cases missing in the baseline are not run.
 ///
 /// # Errors
-/// Stopped, or a scene of the set cannot be modelled. A run that diverges is a result.
+/// Stopped, or a scene of the set cannot be modelled. A diverged run is a result.
 pub fn check(
     baseline: &Baseline,
     here: Made,
@@ -126,7 +125,7 @@ pub fn check(
     let (mut jobs, mut known) = (Vec::new(), Vec::new());
     for case in options.scenes()? {
         let scene = baseline.scenes.iter().find(|scene| scene.name == case.name);
-        // All scenes of the set is what our own solver is recorded on; a solver of the user's, on those it was.
+        // The native solver's baseline has all scenes of the set; a user's solver may have fewer.
         if every && scene.is_none() && !options.solvers.is_empty() {
             continue;
         }
@@ -156,7 +155,7 @@ pub fn check(
     let mut located: Vec<(&str, String)> = Vec::new();
     for (((place, accepted), job), result) in known.into_iter().zip(&jobs).zip(results) {
         let integrator = auto::integrator(&job.scene).0;
-        // The counts of a solver from outside may follow from roundings as an adaptive method's do.
+        // Counts of an external solver may depend on rounding like those of an adaptive method.
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let case = &mut cases[place];
         case.judge(accepted, result, adaptive);
@@ -166,7 +165,7 @@ pub fn check(
             continue;
         };
         let drifts = most.quantity == Quantity::JointDrift;
-        // What moved the model moved it for all solvers of a scene.
+        // A change of the model affects all solvers of a scene.
         let scene = accepted.0.name.as_str();
         let same = located.iter().find(|(name, _)| *name == scene);
         case.stage = same.map(|(_, stage)| stage.clone());
@@ -176,7 +175,7 @@ pub fn check(
             case.stage = Some(stage);
         }
     }
-    // Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
+    // Cases of the baseline that are no longer in the set: without a run they cannot be called unchanged.
     let asked = |scene: &&SceneSnapshot| every || options.only.contains(&scene.name);
     for scene in baseline.scenes.iter().filter(asked) {
         for accepted in &scene.cases {
@@ -201,7 +200,7 @@ pub fn check(
 }
 
 impl CaseCheck {
-    /// Nothing moved, as nothing was looked at.
+    /// Creates an unchanged check without comparisons.
     fn new(scene: &str, choice: &str) -> Self {
         Self {
             scene: scene.to_owned(),
@@ -246,7 +245,7 @@ impl CaseCheck {
         }
     }
 
-    /// The scene, with the choice where it is not `by` that the line is on.
+    /// Returns the scene, with the choice unless it is `by`, the line's solver.
     fn label(&self, by: &str) -> String {
         let case = match self.choice == by {
             true => self.scene.clone(),
@@ -258,7 +257,7 @@ impl CaseCheck {
         }
     }
 
-    /// The quantity that moved most in units of its rounding limit, if any is compared.
+    /// Returns the quantity with the largest change relative to its rounding limit, if any is compared.
     #[must_use]
     pub fn moved_most(&self) -> Option<&QuantityCheck> {
         self.quantities.iter().max_by(|a, b| {

@@ -1,5 +1,4 @@
-//! A baseline as a file, `baseline.toml`: text that a review can read. An accepted change shows as changed lines of
-//! statistics, errors and counts.
+//! Baseline file `baseline.toml`, a text for review: an accepted change changes lines of statistics, errors and counts.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,10 +16,10 @@ use crate::output::OutputError;
 /// Version of the layout.
 pub(super) const FORMAT: u32 = 2;
 
-/// The file that makes a folder a baseline.
+/// Name of the file that marks a folder as a baseline.
 pub const FILE: &str = "baseline.toml";
 
-/// An accepted state of the solver.
+/// Accepted state of the solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
     /// Version of the layout, `FORMAT`.
@@ -52,12 +51,12 @@ pub struct Made {
     pub processor: String,
 }
 
-/// Why a state was accepted.
+/// Acceptance of a state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acceptance {
     /// Year-month-day.
     pub date: String,
-    /// The reason given.
+    /// Stated reason.
     pub reason: String,
 }
 
@@ -79,7 +78,7 @@ pub struct SceneSnapshot {
     pub cases: Vec<CaseSnapshot>,
 }
 
-/// One quantity of a converged run.
+/// Quantity of a converged run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Converged {
     /// Denominator of relative differences: the root mean square of all samples (for energies the larger work, for
@@ -87,12 +86,12 @@ pub struct Converged {
     pub scale: f64,
     /// Distance of a coarser run from the converged one, as a share of `scale`.
     pub own_error: f64,
-    /// Its figures.
+    /// Statistics of the quantity.
     #[serde(flatten)]
     pub statistics: Statistics,
 }
 
-/// One scene by one solver.
+/// Accepted run of one scene by one solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseSnapshot {
     /// Formulation and integrator, or the name of a user's solver.
@@ -107,19 +106,19 @@ pub struct CaseSnapshot {
     pub quantity: BTreeMap<Quantity, QuantitySnapshot>,
 }
 
-/// One quantity of an accepted run.
+/// Quantity of an accepted run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QuantitySnapshot {
     /// Distance from the converged run, as a share of its scale.
     pub error: f64,
     /// Largest distance under perturbed rounding, measured at recording, as a share of the scale.
     pub rounding: f64,
-    /// Its figures.
+    /// Statistics of the quantity.
     #[serde(flatten)]
     pub statistics: Statistics,
 }
 
-/// One baseline of a list.
+/// Baseline in a list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Listed {
     /// Name of the baseline.
@@ -249,7 +248,7 @@ impl Baseline {
         Ok(found)
     }
 
-    /// Checks that `solvers` made this baseline, since it holds for no other solver.
+    /// Checks that `solvers` made this baseline, which is valid only for them.
     ///
     /// # Errors
     /// Other solvers made the baseline.
@@ -337,7 +336,7 @@ impl CaseSnapshot {
             let error = converged.get(quantity).and_then(|converged| {
                 Some(found.statistics.distance(&converged.statistics)? / converged.scale)
             });
-            // The stored error and the figures differ by the digits of a text file only.
+            // Stored error and figures differ only by the digits of a text file.
             let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
             if !error.is_some_and(same) {
                 let error = found.error;

@@ -18,16 +18,16 @@ pub enum Verdict {
     Changed,
     /// Closer to the converged result, or cheaper.
     Better,
-    /// Closer to the converged result and dearer, by no larger a factor.
+    /// Closer to the converged result and more expensive, by no larger a factor.
     Traded,
-    /// Not in the baseline: nothing was compared.
+    /// Not in the baseline, so not compared.
     New,
-    /// Farther from the converged result, or dearer.
+    /// Farther from the converged result, or more expensive.
     Worse,
 }
 
 impl Verdict {
-    /// Returns the verdict in words.
+    /// Returns the verdict as text.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Verdict {
 pub struct QuantityCheck {
     /// Quantity that is checked.
     pub quantity: Quantity,
-    /// Name of the quantity in words.
+    /// Label of the quantity.
     pub label: &'static str,
     /// Root mean square change of the statistics against the accepted run, a share of the quantity's size.
     pub change: f64,
@@ -127,7 +127,7 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
         0.0
     };
     let mut found = Vec::new();
-    // A cost may move by `share` of itself and by `room`; less is better.
+    // A cost may change by `share` of itself and by `room`; less is better.
     let mut add = |label, of: fn(&Costs) -> u64, share: f64, room: f64| {
         let [before, after] = [&before, after].map(|costs| of(costs) as f64);
         let limit = share * before + room;
@@ -152,8 +152,8 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
     found
 }
 
-/// Returns the verdict on a case, the most urgent of those on its figures. Dearer and more accurate is a trade where the error of the
-/// quantity that erred most fell by at least as large a factor as the counts rose.
+/// Returns the verdict on a case, the most urgent of its figures. More cost with less error is a trade if the largest error
+/// fell by at least the factor of the counts.
 pub fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict {
     let verdicts = quantities.iter().map(|q| q.verdict);
     let accuracy = verdicts.max().unwrap_or(Verdict::New);
@@ -170,7 +170,7 @@ pub fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict {
     worst.unwrap_or_default().max(accuracy)
 }
 
-/// Returns the verdict on the change of a figure of which less is better.
+/// Returns the verdict on the change of a cost, where less is better.
 pub fn cost(before: f64, after: f64, limit: f64) -> Verdict {
     if after - before > limit {
         Verdict::Worse

@@ -2,13 +2,14 @@
 
 use pinwheel_timeseries::table::Table;
 
-/// Multiple of the largest difference under perturbed rounding, measured at recording, up to which results count as equal: other vector instructions, the scalar loop, and an inertia and a radius one digit up and down. Those
-/// seven include every instruction set that contact loops know; what else differs between machines (the system's sine,
-/// the compiler) is of the kind of the inertias, and of the radius where a run starts in equilibrium.
+/// Multiple of the largest difference under perturbed rounding, measured at recording, up to which results count as equal.
+/// The seven perturbations are other vector instructions, the scalar loop, and an inertia and a radius one digit up and
+/// down. They include every instruction set of the contact loops; other differences between machines (the system's sine,
+/// the compiler) resemble those of the inertias, and of the radius if a run starts in equilibrium.
 pub const ROUNDING_MARGIN: f64 = 30.0;
 
-/// Multiple for runs in which a rounding turned an accepted step into a rejected one. Their differences are those of two runs of one
-/// tolerance, a large share of the error already.
+/// Multiple for runs in which a rounding turned an accepted step into a rejected one. Their differences are those of two
+/// runs of one tolerance, a large share of the error already.
 pub const FLIP_MARGIN: f64 = 3.0;
 
 /// Bound of accumulated rounding, as a share of the quantity's size. A larger difference is due to a rejected step as
@@ -16,11 +17,11 @@ pub const FLIP_MARGIN: f64 = 3.0;
 /// and more).
 pub const LARGEST_ROUNDING: f64 = 1e-8;
 
-/// Least relative difference that counts: 1e4 steps of roundings of 1e-16 each, all one way.
+/// Least relevant relative difference: 1e4 steps with roundings of 1e-16 each, all in one direction.
 pub const ROUNDING_FLOOR: f64 = 1e-12;
 
-/// Largest rounding and error of a converged run that a baseline may hold, shares of the quantity's size: beyond, a change says
-/// nothing. The accepted baseline has 3e-7 and 2e-3.
+/// Largest rounding and error of a converged run in a baseline, as shares of the quantity's size: beyond, a change has no
+/// significance. The accepted baseline has 3e-7 and 2e-3.
 pub const LARGEST_RECORDED: f64 = 0.1;
 
 /// Error against the converged run, as a share, above which `record` names the case: the resolution of a comparison.
@@ -33,13 +34,13 @@ pub fn same_up_to(recorded: f64) -> f64 {
     (ROUNDING_MARGIN * recorded).min(flip).max(ROUNDING_FLOOR)
 }
 
-/// Least relative change of the error that counts. Methods of one order differ by factors in
-/// their errors (rk2 and rk4 on the paper's gear by 700, dopri5 between two step controls of one tolerance by 1.3),
-/// while an error read from a few statistics is no better known than to some per cent.
+/// Least relevant relative change of the error. Methods of one order differ by factors in their errors (rk2 and rk4 on the
+/// paper's gear by 700, dopri5 between two step controls of one tolerance by 1.3), and an error from a few statistics is
+/// accurate only to some per cent.
 pub const ERROR_SHARE: f64 = 0.1;
 
-/// Least permitted relative change of the counts of adaptive methods; three times their change under perturbed rounding counts where
-/// that is more. A rounding that turns one accepted step into a rejected one moves the rest.
+/// Least permitted relative change of the counts of adaptive methods; three times their change under perturbed rounding if
+/// that is more. One step rejected by rounding shifts all later ones.
 pub const ADAPTIVE_COUNT_SHARE: f64 = 0.03;
 
 /// Permitted change of the number of rejections, besides [`ADAPTIVE_COUNT_SHARE`] of the steps, since rejections are few.

@@ -1,8 +1,8 @@
-//! Baselines: what the solver gave when somebody last looked and accepted it, and what moved since.
+//! Baselines: accepted results of the solver, and changes since.
 //!
-//! A baseline holds, for a fixed set of short scenes and solvers ([`scenes`]), exact [`Statistics`] of the results, their
-//! errors against converged runs, and what they cost in counts. [`check`] runs the set again: a result may move and be
-//! better, so every change is told twice, against the accepted result and as the change of the error. [`limits`] has every
+//! A baseline has, for a fixed set of short scenes and solvers ([`scenes`]), exact [`Statistics`] of the results, their
+//! errors against converged runs, and their cost in counts. [`check`] runs the set again. A changed result may be better,
+//! so every change is reported twice, against the accepted result and as a change of the error. [`limits`] has every
 //! threshold with its reason.
 
 pub(crate) mod cases;
@@ -39,18 +39,18 @@ pub use runner::Costs;
 use runner::Job;
 pub use snapshot::{Quantity, Statistics};
 
-/// How the set is run.
+/// Options for running the set.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// Contact loop.
     pub kernel: Kernel,
-    /// Threads; the results do not depend on their number.
+    /// Number of threads; results do not depend on it.
     pub threads: usize,
-    /// Names of scenes; empty: all.
+    /// Names of the selected scenes; empty: all.
     pub only: Vec<String>,
-    /// Solvers that joined; with any, they are run instead of our own, at the scenes' steps and tolerances.
+    /// Solvers that joined; they replace the native one, at the scenes' steps and tolerances.
     pub solvers: Vec<String>,
-    /// True if the stage that moved is sought where the error of a case rose.
+    /// True if the changed stage is located for cases with an increased error.
     pub stages: bool,
 }
 
@@ -67,7 +67,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The scenes asked for, in the order of the set.
+    /// Returns the selected scenes, in the order of the set.
     fn scenes(&self) -> Result<Vec<&'static SceneCase>, StudyError> {
         let known: Vec<&str> = scenes().iter().map(|case| case.name.as_str()).collect();
         let mut only = self.only.iter();
@@ -81,7 +81,7 @@ impl Options {
         Ok(scenes().iter().filter(wanted).collect())
     }
 
-    /// By which a scene of the set is run: our choices, or the solvers that joined.
+    /// Returns the runs of a scene: by the native choices, or by the solvers that joined.
     fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, StudyError> {
         let names = match self.solvers.as_slice() {
             [] => &case.choices,
@@ -113,19 +113,19 @@ impl Options {
     }
 }
 
-/// One scene of the set by one of our choices or a solver that joined.
+/// Run of a scene of the set by a native choice or a solver that joined.
 struct Way<'a> {
     /// Name in the baseline.
     name: &'a str,
-    /// Keys it sets.
+    /// Keys set by the choice.
     sets: &'static [String],
-    /// Why a solver that joined refuses the scene.
+    /// Reason of a solver that refuses the scene.
     refused: Option<String>,
-    /// The run that is kept or checked.
+    /// Run to record or check.
     job: Job,
 }
 
-/// This program, on this machine, today.
+/// Describes this program, on this machine, today.
 #[must_use]
 pub fn made(kernel: Kernel) -> Made {
     let here = Provenance::here("");
@@ -138,7 +138,7 @@ pub fn made(kernel: Kernel) -> Made {
     }
 }
 
-/// Payload of `summary.json`.
+/// Content of `summary.json`.
 #[derive(Serialize)]
 struct Checked<'a> {
     answers: Vec<Answer>,
@@ -146,7 +146,7 @@ struct Checked<'a> {
     check: &'a Check,
 }
 
-/// Writes `summary.json` of a check against `baseline`, which is called `name`, into the folder `dir`.
+/// Writes `summary.json` of a check against the baseline `name` into the folder `dir`.
 ///
 /// # Errors
 /// The file cannot be written.

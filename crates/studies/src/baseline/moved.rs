@@ -1,4 +1,4 @@
-//! Stage that moved since a case was accepted.
+//! Stage that changed since the acceptance of a case.
 //!
 //! ```text
 //! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
@@ -16,14 +16,15 @@ use crate::StudyError;
 use crate::control::{Control, compile};
 use crate::stages::{Kept, of_engine, of_kept};
 
-/// Least change of converged figures that is one of the model, without friction and with it: the flow's own error is below.
+/// Least change of converged figures attributed to the model, without friction and with it; the error of the flow is
+/// smaller.
 const MOVED: [f64; 2] = [1e-6, 1e-3];
 
-/// Windows that are followed, without friction, which makes a run dear, and with it.
+/// Number of compared windows without friction, and with it, which makes runs expensive.
 const FOLLOWED: [usize; 2] = [2, 1];
 
-/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share. `drifts`: joints
-/// moved most.
+/// Returns the changed stage as text, and true if it belongs to the model, which all solvers of the scene share. `drifts`:
+/// joints changed most.
 ///
 /// # Errors
 /// A stop, or a scene that cannot be modelled.

@@ -16,7 +16,7 @@ use super::{Options, Way};
 use crate::control::{Control, compile};
 use crate::{StudyError, reference};
 
-/// A case that was not recorded.
+/// Case that was not recorded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LeftOut {
     /// Name of the scene.
@@ -44,7 +44,7 @@ pub struct Record {
     pub baseline: Baseline,
     /// Names of the scenes that were run.
     pub scenes: Vec<String>,
-    /// Cases that a solver refuses, or of which nothing could be shown.
+    /// Cases that a solver refuses, or without a result.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -100,7 +100,7 @@ pub fn record(
         |scene: &SceneSnapshot| options.only.is_empty() || options.only.contains(&scene.name);
     let names = recorded.iter().map(|scene| scene.name.clone()).collect();
     recorded.extend(kept.into_iter().filter(|scene| !asked(scene)));
-    // In the order of the set; scenes that it no longer has stay, last, until everything is recorded anew.
+    // In the order of the set; scenes no longer in it stay at the end until everything is recorded anew.
     let order = |scene: &SceneSnapshot| scenes().iter().position(|case| case.name == scene.name);
     recorded.sort_by_key(|scene| order(scene).unwrap_or(usize::MAX));
     Ok(Record {
@@ -124,7 +124,7 @@ impl Record {
         let scenes = scenes.filter(|scene| self.scenes.contains(&scene.name));
         let cases = scenes.flat_map(|scene| scene.cases.iter().map(move |case| (scene, case)));
         let farthest = cases.filter_map(|(scene, case)| {
-            // Energy and joint errors are accounts of a run, not signals of the engine.
+            // Energy and joint errors are balances of a run, not signals of the engine.
             let signals = case.quantity.iter().filter(|(quantity, _)| {
                 !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
             });
@@ -148,9 +148,9 @@ fn converged_jobs(scene: &Scene) -> [Job; 2] {
     })
 }
 
-/// Returns jobs that repeat the run under perturbed rounding: with other vector instructions and the scalar loop, and with the
-/// discs' inertia and the ring pins' radius one digit up and down. The inertia does not change statics; the radius changes the
-/// initial equilibrium, which without load is known to little more than a rounding of the dimensions.
+/// Returns jobs that repeat the run under perturbed rounding: with other vector instructions and the scalar loop, and with
+/// the discs' inertia and the ring pins' radius one digit up and down. The inertia does not change statics; the radius
+/// changes the initial equilibrium, which without load is accurate to little more than a rounding of the dimensions.
 fn roundings(plain: &Job) -> Vec<Job> {
     let by = |kernel| Job {
         kernel,
@@ -201,7 +201,7 @@ fn scene(
         let plain = finished(way.name, plain)?;
         let varied = others.into_iter().map(|run| finished(way.name, run));
         let varied = varied.collect::<Result<Vec<_>, _>>()?;
-        // Share by which two runs differ in right-hand sides.
+        // Relative difference of two runs in right-hand sides.
         let count = plain.costs.right_hand_sides;
         let spread = |run: &Finished| {
             run.costs.right_hand_sides.abs_diff(count) as f64 / count.max(1) as f64

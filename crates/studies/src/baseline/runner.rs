@@ -66,7 +66,7 @@ fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
             let (account, joint_m) = (run.energy.total(), Some(run.joint_drift_m));
             (run.ending, run.time_series, costs, account, joint_m)
         }
-        // A user's solver keeps no account of energy, and may have no joints.
+        // A user's solver has no energy balance, and may have no joints.
         Some(solver) => {
             let run = control::run_on(solver, &job.scene, &Control::silent(cancel))?;
             let costs = Costs {
@@ -89,7 +89,7 @@ fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
     }))
 }
 
-/// Makes all runs on a number of `threads`, with one on this thread. Results stand in the order of the jobs and are equal to the
+/// Makes all runs on a number of `threads`, with one on this thread. Results are in the order of the jobs and equal to the
 /// bit for any number of threads.
 pub(super) fn run_all(
     jobs: &[Job],

@@ -1,8 +1,8 @@
 //! Snapshot of a run: a few exact numbers for each quantity, and the run's cost.
 //!
-//! A course is cut into four windows of equal length. Each has the mean, the root mean square and the largest magnitude of
-//! all channels together, at full precision. A change of any force by 1e-9 of itself moves them by about as much, while
-//! roundings move them by 1e-15 to 1e-10.
+//! A time series is cut into four windows of equal length. Each has the mean, the root mean square and the largest
+//! magnitude of all channels together, at full precision. A relative change of any force by 1e-9 changes them by about as
+//! much, while rounding changes them by 1e-15 to 1e-10.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use pinwheel_timeseries::norms::{self, View};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::{Deserialize, Serialize};
 
-/// Quantity of a run that is watched.
+/// Recorded quantity of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -34,7 +34,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// In words.
+    /// Returns the label.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -49,13 +49,13 @@ impl Quantity {
     }
 }
 
-/// Windows of a course.
+/// Number of windows of a time series.
 pub(super) const WINDOWS: usize = 4;
 
-/// A quantity of one run, in its unit.
+/// Statistics of a quantity of one run, in its unit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Statistics {
-    /// Means by window; what is no course (energies, the joint error) as it is.
+    /// Means by window; single values (energies, joint error) unchanged.
     pub mean: Vec<f64>,
     /// Root mean squares by window.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -66,7 +66,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Statistics of all channels of a course together, which are equally long.
+    /// Returns the statistics of all channels together, which are equally long.
     #[must_use]
     pub fn of_course(channels: &[&[f64]]) -> Self {
         let samples = channels.first().map_or(0, |channel| channel.len());
@@ -97,7 +97,7 @@ impl Statistics {
         all.copied()
     }
 
-    /// Root mean square of the differences to `other`; `None` if that has other windows.
+    /// Returns the root mean square of the differences to `other`; `None` for other windows.
     #[must_use]
     pub fn distance(&self, other: &Self) -> Option<f64> {
         let shape = |it: &Self| [it.mean.len(), it.rms.len(), it.peak.len()];
@@ -105,26 +105,26 @@ impl Statistics {
         (shape(self) == shape(other)).then(|| rms(differences))
     }
 
-    /// Mean over the windows.
+    /// Returns the mean over the windows.
     #[must_use]
     pub fn whole_mean(&self) -> f64 {
         self.mean.iter().sum::<f64>() / self.mean.len().max(1) as f64
     }
 
-    /// Root mean square over the windows.
+    /// Returns the root mean square over the windows.
     #[must_use]
     pub fn whole_rms(&self) -> f64 {
         rms(self.rms.iter().copied())
     }
 
-    /// Largest magnitude of all.
+    /// Returns the largest magnitude of all windows.
     #[must_use]
     pub fn whole_peak(&self) -> f64 {
         self.all().fold(0.0, |most, x| most.max(x.abs()))
     }
 }
 
-/// Root mean square; 0 for no values.
+/// Returns the root mean square; 0 without values.
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u32);
     for value in values {
@@ -134,8 +134,8 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-/// The quantities of a run that came to its end, with its whole account of energy and its joints' largest error, m. Those that
-/// the engine does not tell are missing.
+/// Returns the quantities of a finished run, with its complete energy balance and its joints' largest error, m. Quantities
+/// that the engine does not report are missing.
 pub(super) fn statistics(
     gearbox: &Gearbox,
     time_series: &TimeSeries,
@@ -175,7 +175,7 @@ fn twist(gearbox: &Gearbox, time_series: &TimeSeries) -> Vec<f64> {
     samples.map(|(&t, angle)| angle - ideal(t)).collect()
 }
 
-/// A hash of every bit of every sample.
+/// Returns a hash of all bits of all samples.
 pub(super) fn bits(time_series: &TimeSeries) -> u64 {
     let channels = time_series.channels().iter();
     let values = channels.flat_map(|channel| &channel.values);

@@ -1,8 +1,7 @@
 //! Cost of an error: interpolation on the front of a series in the log-log plane.
 //!
 //! A point belongs to the front if no other point of the series has both lower cost and lower error. Between two of its points
-//! the cost of an error is taken from the straight line through both in (log error, log cost). Beyond
-//! its ends there is only a bound, and it is given as one.
+//! the cost of an error follows the straight line in (log error, log cost). Beyond its ends there is only a bound.
 
 use serde::Serialize;
 
@@ -10,16 +9,16 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", content = "value", rename_all = "kebab-case")]
 pub enum CostAt {
-    /// Interpolated between two runs.
+    /// Interpolated cost between two runs.
     Interpolated(f64),
-    /// The cheapest run is already better.
+    /// Upper bound: the cheapest run is already more accurate.
     AtMost(f64),
-    /// The best run is still worse: reaching the error costs more than it did.
+    /// Lower bound: the most accurate run does not reach the error.
     MoreThan(f64),
 }
 
 impl CostAt {
-    /// Returns the number, exact or a bound.
+    /// Returns the number, an estimate or a bound.
     #[must_use]
     pub fn value(self) -> f64 {
         match self {
@@ -27,7 +26,7 @@ impl CostAt {
         }
     }
 
-    /// Returns true if a run reaches the error.
+    /// True if a run reaches the error.
     #[must_use]
     pub fn reached(self) -> bool {
         !matches!(self, Self::MoreThan(_))

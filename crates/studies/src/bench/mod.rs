@@ -1,8 +1,8 @@
 //! Cost of accuracy: every engine, integrator and step (or tolerance) of one scene against a converged run.
 //!
-//! [`run`] gives a [`WorkPrecision`]: the reference with its own error, one [`Series`] an engine and method
-//! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
-//! error costs each ([`WorkPrecision::ranking`]).
+//! [`run`] returns a [`WorkPrecision`]: the reference with its own error; a [`Series`] for each engine and method, with a
+//! [`Point`] for each setting (errors by window, CPU time, right-hand-side calls); and the cost of a given error for each
+//! ([`WorkPrecision::ranking`]).
 
 pub(crate) mod front;
 pub(crate) mod norms;
@@ -34,26 +34,26 @@ use crate::provenance::{Provenance, Summary};
 use crate::reference::{self, Reference};
 use crate::{StudyError, choice};
 
-/// The study's result.
+/// Result of the bench.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorkPrecision {
-    /// The scene.
+    /// Scene of the runs.
     #[serde(skip)]
     pub scene: Scene,
     /// Choices of the bench.
     pub options: Options,
-    /// Windows; errors stand in this order everywhere. The first is the whole run.
+    /// Windows, in the order of all lists of errors. The first is the entire run.
     pub windows: Vec<Span>,
     /// Reference from which all errors are measured.
     pub reference: Reference,
-    /// Distance of its second run, window by window: an upper estimate of its error.
+    /// Distance of the reference's second run in each window: an upper estimate of its error.
     pub reference_errors: Vec<Errors>,
-    /// One engine and method each, native first.
+    /// Series of each engine and method, native first.
     pub series: Vec<Series>,
-    /// Names of the engines, and what each is unlike.
+    /// Names of the engines, with their differences from the native solver.
     #[serde(skip)]
     pub differences: Vec<(String, String)>,
-    /// False if the user stopped the study; what had been measured until then is kept.
+    /// False if the user stopped the study; results so far are kept.
     pub complete: bool,
 }
 
@@ -64,12 +64,12 @@ struct Measured<'a> {
     complete: bool,
     scene: &'a Scene,
     work_precision: &'a WorkPrecision,
-    /// Costs of errors, window by window.
+    /// Costs of errors in each window.
     rankings: &'a [Ranking],
 }
 
 impl WorkPrecision {
-    /// Rankings of all windows at the target, then of the whole run at ten times and a tenth of it.
+    /// Returns the rankings of all windows at the target, then of the entire run at ten times and a tenth of it.
     #[must_use]
     pub fn rankings(&self) -> Vec<Ranking> {
         let target = self.options.target;
@@ -95,11 +95,11 @@ impl WorkPrecision {
     }
 }
 
-/// The engines named (`native` stands for both its forms); without names both native forms and the peers that solve
-/// the same equations.
+/// Returns the engines by name (`native` for both formulations); without names both native formulations and the peers that
+/// solve the same equations.
 ///
 /// # Errors
-/// An engine that there is not, or that chooses its own integrator and step.
+/// Unknown engine, or one that chooses its own integrator and step.
 pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, StudyError> {
     let native = ["native-reduced", "native-lagrange"];
     if names.is_empty() {
@@ -125,7 +125,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         for engine in named {
             if engine.track() == SharedModel::Native && !native.contains(&engine.name()) {
                 return Err(StudyError::Input(format!(
-                    "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
+                    "{} chooses its own integrator and step, which this study varies; name native, native-reduced \
                      or native-lagrange",
                     engine.name()
                 )));
@@ -138,11 +138,10 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
     Ok(engines)
 }
 
-/// Runs the study. `engines` without the resolved native form, whose settings are not the scene's.
+/// Runs the study. `engines` must not include the resolved native form, whose settings are not the scene's.
 ///
 /// # Errors
-/// Cancelled before the reference was there, or the reference run fails. What an engine does wrong
-/// stands in its series.
+/// Cancelled before the reference was complete, or a failed reference run. Faults of an engine are in its series.
 pub fn run(
     scene: &Scene,
     engines: &[Box<dyn Engine>],
@@ -196,7 +195,7 @@ pub fn run(
     })
 }
 
-/// The methods of an engine: ours for the native forms, its own for others.
+/// Returns the methods of an engine: Pinwheel's for the native forms, its own for others.
 fn methods<'a>(
     engine: &'a dyn Engine,
     options: &'a Options,

@@ -21,17 +21,17 @@ pub struct Span {
 /// Relative errors in one window; dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Errors {
-    /// L2, all pin forces together.
+    /// Relative L2 error of all pin forces jointly.
     pub force_l2: f64,
-    /// Linf, all pin forces together.
+    /// Relative Linf error of all pin forces jointly.
     pub force_max: f64,
-    /// L2, driver torque.
+    /// Relative L2 error of the driver torque.
     pub torque_l2: f64,
-    /// Linf, driver torque.
+    /// Relative Linf error of the driver torque.
     pub torque_max: f64,
 }
 
-/// Returns the windows of a run: all of it, then its transient and its steady part where it is long enough.
+/// Returns the windows of a run: all of it, then its transient and its steady part if it is long enough.
 pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
     let settling = match scene.drive.start {
         Start::Equilibrium => 0.0,

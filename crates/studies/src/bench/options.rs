@@ -10,7 +10,7 @@ use crate::StudyError;
 /// Choices of a bench.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Options {
-    /// Relative L2 force error over the whole run at which engines are ranked.
+    /// Relative L2 force error over the entire run at which engines are ranked.
     pub target: f64,
     /// Largest number of runs of one setting; the cost is their minimum and median.
     pub repeats: usize,
@@ -20,7 +20,7 @@ pub struct Options {
     pub longest_s: f64,
     /// CPU time limit of a single native run, s; the native solver has many more series.
     pub longest_native_s: f64,
-    /// Integrators of the native solver; empty: all.
+    /// Integrators of the native solver; empty for all.
     pub methods: Vec<String>,
 }
 
@@ -38,11 +38,11 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Options that a user chooses: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's
-    /// run, of which the native solver gets a tenth, and integrators.
+    /// Makes options from a user's choices: error of the ranking, runs of a setting, CPU seconds of a peer's run (a tenth for
+    /// the native solver), and integrators.
     ///
     /// # Errors
-    /// A number out of its range, or an unknown integrator.
+    /// A number out of range, or an unknown integrator.
     pub fn asked(
         target: f64,
         repeats: usize,
@@ -77,7 +77,7 @@ impl Options {
         })
     }
 
-    /// CPU time limit of a single run of an engine, s.
+    /// Returns the CPU time limit of a single run of an engine, s.
     #[must_use]
     pub fn longest(&self, track: SharedModel) -> f64 {
         match track {

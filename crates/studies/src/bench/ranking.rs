@@ -10,9 +10,9 @@ use super::series::{Measure, Series};
 /// Cost of the error in one series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Entry {
-    /// Engine and method.
+    /// Name of engine and method.
     pub label: String,
-    /// SharedModel of the engine.
+    /// Shared model of the engine.
     pub track: SharedModel,
     /// CPU time, s; `None` if no run finished.
     pub cpu_s: Option<CostAt>,
@@ -20,20 +20,20 @@ pub struct Entry {
     pub rhs_calls: Option<CostAt>,
 }
 
-/// The native solver's lead.
+/// Advantage of the native solver over its peers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Advantage {
-    /// The fastest native series.
+    /// Fastest native series.
     pub native: String,
     /// CPU time of the native series, s.
     pub native_cpu_s: CostAt,
-    /// The fastest peer, or the one whose bound is lowest.
+    /// Fastest peer, or the one with the lowest bound.
     pub peer: String,
     /// CPU time of the peer, s.
     pub peer_cpu_s: CostAt,
     /// CPU time of the peer over that of the native series.
     pub ratio: f64,
-    /// True if the quotient is a lower bound: the native cost is an upper bound, or the peer's a lower one.
+    /// True if the ratio is a lower bound: the native cost is an upper bound, or the peer's a lower one.
     pub at_least: bool,
 }
 
@@ -46,15 +46,15 @@ pub struct Ranking {
     pub error: f64,
     /// Costs in the order of the series.
     pub entries: Vec<Entry>,
-    /// `None` where the native solver does not reach the error, or there is no peer.
+    /// Advantage of the native solver; `None` if it does not reach the error, or there is no peer.
     pub advantage: Option<Advantage>,
 }
 
 impl WorkPrecision {
     /// Ranks all series at a relative L2 force error in window `window`.
     ///
-    /// Peers of the own-contact track count where they reach the error; those that do not have their own
-    /// model, not too long a step. A peer that shares the law counts with its lower bound otherwise.
+    /// Own-contact peers count if they reach the error; otherwise their model, not their step, is the reason. A peer that
+    /// shares the law then counts with its lower bound.
     #[must_use]
     pub fn ranking(&self, window: usize, error: f64) -> Ranking {
         let entry = |series: &Series| Entry {
@@ -73,7 +73,7 @@ impl WorkPrecision {
     }
 }
 
-/// Lead of the fastest native series over the fastest peer; `None` without either.
+/// Returns the advantage of the fastest native series over the fastest peer; `None` without either.
 pub fn advantage(entries: &[Entry]) -> Option<Advantage> {
     let cheapest = |take: &dyn Fn(&Entry, CostAt) -> bool| {
         let known = entries

@@ -16,9 +16,9 @@ use super::settings::{Stopped, settings};
 use crate::StudyError;
 use crate::control::{Control, TimeLimit, compile};
 
-/// CPU time below which the next finer run is always made, s.
+/// CPU time below which the next finer run always follows, s.
 const CHEAP_S: f64 = 0.25;
-/// Least factor by which the error of two successive settings must fall for the series to go on.
+/// Least factor by which the error must fall over two settings for the series to continue.
 const STAGNANT: f64 = 1.3;
 /// Multiple of the time limit after which a run is stopped.
 const PATIENCE: f64 = 3.0;
@@ -32,7 +32,7 @@ pub struct Cost {
     pub cpu_median_s: f64,
     /// Number of runs.
     pub runs: usize,
-    /// Evaluations of the contact forces in one run; `None` where the engine does not count them.
+    /// Evaluations of the contact forces in one run; `None` if the engine does not count them.
     pub rhs_calls: Option<u64>,
     /// Accepted steps.
     pub steps: u64,
@@ -48,9 +48,9 @@ pub struct Point {
     /// Ending of the run.
     #[serde(rename = "outcome")]
     pub ending: Ending,
-    /// Errors by window; empty unless it finished.
+    /// Errors by window; empty unless finished.
     pub errors: Vec<Errors>,
-    /// Cost of the runs; `None` if none was made.
+    /// Cost of the runs; `None` without a run.
     pub cost: Option<Cost>,
 }
 
@@ -69,7 +69,7 @@ pub struct Series {
     pub order: Option<u32>,
     /// Setting that is varied.
     pub knob: AccuracySetting,
-    /// Settings tried, coarse to fine.
+    /// Points by setting, coarse to fine.
     pub points: Vec<Point>,
     /// Reason why the series has no finer setting.
     pub stopped: Stopped,
@@ -109,7 +109,7 @@ impl Series {
         self.points.iter().filter_map(known).collect()
     }
 
-    /// Returns the reason to stop before a run at a finer `setting`; `None` if the series goes on.
+    /// Returns the reason to stop before a run at a finer `setting`; `None` if the series continues.
     #[doc(hidden)]
     pub fn stop(&self, setting: f64, reference_error: f64, options: &Options) -> Option<Stopped> {
         let ratio = self.points.last()?.setting / setting;
@@ -118,13 +118,13 @@ impl Series {
             let errors = point.and_then(|point| point.errors.first());
             errors.map_or(f64::INFINITY, |errors| errors.force_l2)
         };
-        // A run that diverged early does not tell the cost of a complete one.
+        // A run that diverged early does not indicate the cost of a complete one.
         let finished = self.points.iter().rev();
         let mut finished = finished.filter(|point| point.ending.is_finished());
         let mut cpu_s = || Some(finished.next()?.cost?.cpu_min_s);
         let (last_s, before_s) = (cpu_s().unwrap_or(0.0), cpu_s().unwrap_or(0.0));
-        // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
-        // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
+        // The cost of a tighter tolerance is unknown, and may be lower: RODAS5P is cheap once its steps end on the friction's
+        // ramp. Two runs that took too long end a series; a run that takes far too long is stopped.
         let next = match self.knob {
             AccuracySetting::Step => last_s * ratio,
             AccuracySetting::Tolerance => last_s.min(before_s),
@@ -145,20 +145,20 @@ impl Series {
         stagnant.then_some(Stopped::Stagnates)
     }
 
-    /// Cost of a relative L2 force error in a window.
+    /// Returns the cost of a relative L2 force error in a window.
     #[must_use]
     pub fn cost_at(&self, window: usize, error: f64, measure: Measure) -> Option<CostAt> {
         cost_at(&self.points(window, measure), error)
     }
 }
 
-/// Scene, choices, and the reference from which errors are measured.
+/// Scene, options, and reference of a bench.
 pub(super) struct Setup<'a> {
     pub(super) scene: &'a Scene,
     pub(super) options: &'a Options,
     pub(super) reference: &'a TimeSeries,
     pub(super) windows: &'a [Span],
-    /// Loads that count as none.
+    /// Loads that count as zero.
     pub(super) least: LoadFloor,
     /// Upper estimate of the reference's error.
     pub(super) reference_error: f64,
@@ -188,7 +188,7 @@ impl Setup<'_> {
         Ok(series)
     }
 
-    /// Adds point after point to a series, until there is a reason to stop.
+    /// Adds points to a series until there is a reason to stop.
     fn refine(
         &self,
         series: &mut Series,
@@ -223,7 +223,7 @@ impl Setup<'_> {
         Ok(Stopped::Finished)
     }
 
-    /// One setting, as often as is worth it.
+    /// Runs one setting, as often as useful.
     fn point(&self, scene: &Scene, engine: &dyn Engine, setting: f64) -> Result<Point, StudyError> {
         let without = |ending| {
             Ok(Point {

@@ -11,15 +11,15 @@ const HALVINGS: i32 = 10;
 const LOOSEST: f64 = 1e-2;
 const HALF_DECADES: i32 = 16;
 
-/// Returns the settings of a method's step or tolerance for a scene, coarse to fine. Steps divide the sampling step evenly, because some
-/// engines sample at ends of steps only.
+/// Returns the settings of a method's step or tolerance for a scene, coarse to fine. Steps divide the sampling step evenly,
+/// because some engines sample only at ends of steps.
 #[must_use]
 pub fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
     match knob {
         AccuracySetting::Tolerance => {
             let tolerance = |k: i32| {
                 let exact = LOOSEST * 10.0_f64.powf(-0.5 * f64::from(k));
-                // Two digits are enough to name a tolerance.
+                // Two digits suffice for a tolerance.
                 format!("{exact:.1e}").parse().unwrap_or(exact)
             };
             (0..=HALF_DECADES).map(tolerance).collect()
@@ -43,17 +43,17 @@ pub fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
 pub enum Stopped {
     /// All settings were tried.
     Finished,
-    /// Far better than the target, and finer runs are not cheap.
+    /// Far more accurate than the target, and finer runs are not cheap.
     GoodEnough,
-    /// Distance from the reference below the error of the reference itself.
+    /// Distance from the reference below the reference's own error.
     AtTheReference,
     /// The next run would take too long.
     TooLong,
-    /// Finer steps no longer help: the rest is the engine's model.
+    /// Finer steps no longer help: the remaining error is the engine's model.
     Stagnates,
-    /// The engine cannot honour the scene, or broke.
+    /// Scene not supported by the engine, or failure of the engine.
     Failed,
-    /// The user stopped the study.
+    /// Stop by the user.
     Interrupted,
 }
 
@@ -66,7 +66,7 @@ impl Stopped {
             Self::GoodEnough => "ten times better than the target",
             Self::AtTheReference => "at the reference's own error",
             Self::TooLong => "the next run would take too long",
-            Self::Stagnates => "finer steps do not help: what is left is its model",
+            Self::Stagnates => "finer steps do not help: the rest is an error of its model",
             Self::Failed => "does not run",
             Self::Interrupted => "stopped by the user",
         }

@@ -1,4 +1,4 @@
-//! The points as one flat table: a row a setting, errors of all windows side by side.
+//! Points as one flat table: a row for each setting, with the errors of all windows side by side.
 
 use pinwheel_engines::AccuracySetting;
 use pinwheel_timeseries::Ending;
@@ -6,7 +6,7 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::{Cost, Errors, Point, Series, WorkPrecision};
 
-/// Errors of a window: how a column's name ends, and what people call it; empty: not shown.
+/// Errors of a window: ending of the column's name, and label for people; empty to hide it.
 const ERRORS: [(&str, &str, fn(&Errors) -> f64); 4] = [
     ("force_l2", "forces L2", |errors| errors.force_l2),
     ("force_max", "forces L\u{221e}", |errors| errors.force_max),
@@ -15,7 +15,7 @@ const ERRORS: [(&str, &str, fn(&Errors) -> f64); 4] = [
 ];
 
 impl WorkPrecision {
-    /// A row for each setting of each series, in their order.
+    /// Returns a row for each setting of each series, in order.
     #[must_use]
     pub fn table(&self) -> Table {
         let each = self.series.iter();

@@ -1,4 +1,4 @@
-//! Facts of a scene that a comparison judges by.
+//! Facts of a scene for the judgement of a comparison.
 
 use pinwheel_compare::{Context, Scales};
 use pinwheel_scene::{Scene, Start, load_profile, speed_profile};

@@ -1,4 +1,4 @@
-//! Foreign data (another program's export, a test rig) as one more participant of a comparison.
+//! Foreign data (another program's export, a test rig) as a participant of a comparison.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -20,10 +20,10 @@ use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
 use super::context::context;
 use crate::StudyError;
 
-/// Largest number of bad rows that a note names.
+/// Largest number of bad rows in a note.
 const MOST_NAMED: usize = 20;
 
-/// A foreign file that has been read.
+/// Foreign file that has been read.
 #[derive(Debug, Clone)]
 pub struct Data {
     path: PathBuf,
@@ -42,10 +42,10 @@ impl Data {
     }
 }
 
-/// Reads foreign files, each with the map that says what its columns are.
+/// Reads foreign files, each with the map of its columns.
 ///
 /// # Errors
-/// The first fault of a file or a map, or two files of one name; with its place and remedy.
+/// First fault of a file or a map, or two files of one name, with place and remedy.
 pub fn open<'a>(
     files: impl IntoIterator<Item = (&'a Path, &'a Path)>,
 ) -> Result<Vec<Data>, StudyError> {
@@ -118,7 +118,7 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     })
 }
 
-/// Returns the limits of a map, each on at least one of the mapped `quantities`.
+/// Returns the limits of a map, each of which applies to at least one of the mapped `quantities`.
 fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<StatedLimit>, String> {
     fn find<T: Copy>(
         known: impl IntoIterator<Item = T>,
@@ -158,10 +158,10 @@ fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<Stat
     map.limits.iter().map(one).collect()
 }
 
-/// Returns the gearbox with the channels that foreign columns are compared with.
+/// Returns the gearbox with the channels for comparison with foreign columns.
 ///
 /// # Errors
-/// A mapped column that no engine records: its name is mistyped.
+/// A mapped column that no engine records, because its name is mistyped.
 pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyError> {
     let own = &gearbox.scene.output.channels;
     let mut channels = own.clone();
@@ -194,7 +194,7 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
     if channels.len() == own.len() {
         return Ok(gearbox);
     }
-    // Hundreds of names become a pattern a family, since a scene may have only so many patterns.
+    // Hundreds of names become one pattern for each family, because scenes have a limited number of patterns.
     let recording = gearbox.with_channels(patterns(&channels));
     recording.map_err(|error| StudyError::Input(error.to_string()))
 }
@@ -221,14 +221,14 @@ fn or(text: &str, otherwise: &str) -> String {
     said.to_owned()
 }
 
-/// Formats a time without the digits that the rounding of factor and offset left.
+/// Formats a time without the rounding of factor and offset.
 fn short(time: f64) -> String {
     let text = format!("{time:.9}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 impl Data {
-    /// Returns the data at the scene's sample times, with the limits stated for them.
+    /// Returns the data at the scene's sample times, with their stated limits.
     pub(super) fn take_part(
         &self,
         scene: &Scene,
@@ -267,7 +267,7 @@ impl Data {
         Ok((participant, self.limits.clone()))
     }
 
-    /// Checks that the window of each limit lies in the run and holds data.
+    /// Checks that each limit's window is in the run and has data.
     fn judgeable(&self, scene: &Scene, found: &Resampled) -> Result<(), String> {
         let context = context(scene);
         let settling = context.settling_s.unwrap_or(SETTLING_S);
@@ -299,7 +299,7 @@ impl Data {
         Ok(())
     }
 
-    /// Returns the data at the times of the map, and a note on a time shift that fits better.
+    /// Returns the data at the times of the map, with a note on a better time shift.
     fn placed(&self, others: &[Participant]) -> Result<(TimeSeries, Option<String>), StudyError> {
         let own = &self.foreign.time_series;
         let offset = self.map.time.offset_s;
@@ -415,8 +415,8 @@ impl Data {
         notes
     }
 
-    /// Returns the uncertainties of the map, relative to the measured values: of a group of columns their root mean square. `inputs`
-    /// is the effect of the scene's uncertain values on each quantity, as a share of its RMS.
+    /// Returns the uncertainties of the map, relative to the measured values (for a group of columns, to their root mean
+    /// square). `inputs` is the effect of the scene's uncertain values on each quantity, as a share of its RMS.
     pub(super) fn uncertainties(
         &self,
         measured: &TimeSeries,

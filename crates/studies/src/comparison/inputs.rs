@@ -1,8 +1,8 @@
 //! u_input of ASME V&V 20: the effect of a scene's uncertain values on its time series.
 //!
-//! A few keys are moved one at a time to both ends of their intervals. The contribution of a key is half of the distance over the
-//! root of three, and contributions add as squares. Many keys are moved together by a Latin hypercube (McKay, Beckman, Conover
-//! 1979), and the standard deviation of the series at every sample counts.
+//! A few keys are moved one at a time to both ends of their intervals. The contribution of a key is half of the distance over
+//! the root of three, and contributions add as squares. Many keys are moved together by a Latin hypercube (McKay, Beckman,
+//! Conover 1979), and the standard deviation of the series at every sample is the result.
 
 use pinwheel_compare::quantities::derive;
 use pinwheel_scene::CheckedScene;
@@ -16,7 +16,7 @@ use crate::sampling::hypercube;
 
 /// Largest number of keys that are moved one at a time.
 const FEW: usize = 8;
-/// Runs of a hypercube: the standard deviation of so many is known to an eighth.
+/// Number of runs of a hypercube, whose standard deviation is then accurate to 1/8.
 const SAMPLES: usize = 32;
 
 /// Returns the standard uncertainty of every quantity over the run, as a share of its RMS; empty for a scene without uncertain
@@ -75,13 +75,14 @@ fn square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 
-/// Returns the squared distance between both ends of an interval, summed over samples: 12 times the variance if it is uniform.
+/// Returns the squared distance between both ends of an interval, summed over samples: 12 times the variance of a uniform
+/// value.
 fn between(pair: &[Vec<f64>]) -> f64 {
     let [low, high] = pair else { return f64::NAN };
     low.iter().zip(high).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Returns the sum of the variances at every sample.
+/// Returns the sum over samples of the variances.
 fn scatter(series: &[Vec<f64>]) -> f64 {
     let count = series.len() as f64;
     let samples = series.first().map_or(0, Vec::len);
@@ -92,7 +93,7 @@ fn scatter(series: &[Vec<f64>]) -> f64 {
     (0..samples).map(variance).sum()
 }
 
-/// A run's keys and their values.
+/// Keys of a run with their values.
 type Moves<'a> = Vec<(&'a str, f64)>;
 
 fn value(scene: &CheckedScene, key: &str) -> f64 {
@@ -109,7 +110,8 @@ fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
     runs
 }
 
-/// Returns the runs of a Latin hypercube: each key once in each of [`SAMPLES`] equal parts of its interval, equal on every machine.
+/// Returns the runs of a Latin hypercube, equal on every machine: each key has one value in each of [`SAMPLES`] equal parts of
+/// its interval.
 fn all_at_once(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut rng = Rng::new(1);
     let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];

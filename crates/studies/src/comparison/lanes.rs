@@ -1,11 +1,11 @@
-//! Engines of a comparison side by side: on threads, those in Python in one of them, or in processes of their own.
+//! Engines of a comparison in parallel: on threads, with Python engines on one of them or in separate processes.
 //!
 //! ```text
 //!  engines ──the dearest first──> jobs threads ──> refine ──> participants in the engines' order
-//!            in Python: another process refines ahead and keeps its runs; refine finds them
+//!            in Python: another process refines ahead and stores its runs for refine
 //! ```
-//! CPU time is measured by the clock of each run's own thread or process, so that it is the same however many run. What an
-//! engine computes does not depend on the others.
+//! CPU time is measured by the clock of each run's own thread or process, so that it does not depend on the number of parallel
+//! runs. Neither do the results of an engine.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -23,25 +23,25 @@ use crate::output::OutputError;
 use crate::pool::{self, lock};
 use crate::provenance::{Provenance, SOURCES};
 
-/// Refines an engine, by its name, in another process that keeps its runs, see [`ahead`]; with what is known of the scene.
+/// Function that refines an engine, by its name and the scene's divergence, in another process that stores its runs, see
+/// [`ahead`].
 pub type Ahead<'a> = &'a (dyn Fn(&str, Option<&Divergence>, &Control<'_>) + Sync);
 
-/// Means of a comparison.
+/// Resources of a comparison.
 #[derive(Clone, Copy, Default)]
 pub struct Lanes<'a> {
-    /// Engines that run at a time; 0 is 1.
+    /// Number of engines that run at a time; 0 counts as 1.
     pub jobs: usize,
-    /// Store that is around the engines.
+    /// Store of the engines' runs.
     pub store: Option<&'a Store>,
-    /// Processes for engines in Python, which share an interpreter otherwise.
+    /// Separate processes for Python engines, which otherwise share an interpreter.
     pub ahead: Option<Ahead<'a>>,
 }
 
-/// Opens the store of runs of other projects' engines, see [`kept`]; `None` if none are kept. `fresh`: only runs made from now on
-/// count.
+/// Opens the store of other projects' runs, see [`kept`]; `None` if none are stored. `fresh`: only runs from now on are used.
 ///
 /// # Errors
-/// Its folder cannot be written.
+/// The store's folder cannot be written.
 pub fn store(fresh: bool) -> Result<Option<Arc<Store>>, OutputError> {
     let Some(folder) = kept::folder() else {
         return Ok(None);
@@ -52,7 +52,7 @@ pub fn store(fresh: bool) -> Result<Option<Arc<Store>>, OutputError> {
     Ok(Some(Arc::new(store)))
 }
 
-/// Refines one engine so that its runs are kept, for another process that compares.
+/// Refines one engine and stores its runs for another process that compares.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
@@ -75,7 +75,7 @@ pub fn ahead(
 }
 
 impl Lanes<'_> {
-    /// The engines' participants and evidences, in their order.
+    /// Returns the engines' participants and evidence, in order.
     pub(super) fn refine(
         &self,
         input: &Input<'_>,
@@ -98,7 +98,7 @@ impl Lanes<'_> {
             let cost = |k: &usize| lock(&board.lanes).0[*k].cost_s.unwrap_or(usual(k));
             order.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         }
-        // Without processes of their own they are one piece.
+        // Without separate processes they are one piece of work.
         let (together, alone): (Vec<usize>, Vec<usize>) = order
             .into_iter()
             .partition(|k| ahead.is_none() && in_python(k));
@@ -138,14 +138,14 @@ const EVERY: Duration = Duration::from_millis(100);
 /// State of one engine.
 struct Lane<'a> {
     name: &'a str,
-    /// CPU time that its runs took when they were made last, s.
+    /// CPU time of its latest stored runs, s.
     cost_s: Option<f64>,
     /// True if it runs once.
     once: bool,
     begun: Option<Instant>,
-    /// Time that was left, s, and when.
+    /// Remaining time, s, with the time of the report.
     left: Option<(Instant, f64)>,
-    /// Time that it took, s.
+    /// Duration of the work, s.
     took: Option<f64>,
 }
 
@@ -155,22 +155,22 @@ impl Lane<'_> {
             .map_or(0.0, |begun| begun.elapsed().as_secs_f64())
     }
 
-    /// Time left, s, if it is known; what took a second takes `pace` now.
+    /// Returns the remaining time, s, if known; `pace`: present duration of one second of the estimate.
     fn left_s(&self, pace: f64) -> Option<f64> {
         match self.left {
             _ if self.took.is_some() => Some(0.0),
             Some((at, left)) => Some((left - at.elapsed().as_secs_f64()).max(0.0)),
-            // What takes longer than it did is not known any more.
+            // Once the stored cost is exceeded, the remaining time is unknown.
             None => Some(self.cost_s? * pace - self.since_s()).filter(|left| *left >= 0.0),
         }
     }
 }
 
-/// Progress of engines that run side by side, as one report.
+/// Common progress report of parallel engines.
 struct Board<'a> {
     control: &'a Control<'a>,
     jobs: usize,
-    /// The engines, and when they were reported.
+    /// Engines, with the time of the last report.
     lanes: Mutex<(Vec<Lane<'a>>, Instant)>,
 }
 
@@ -198,7 +198,7 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// Does the work of an engine.
+    /// Does the work of an engine and records its progress.
     fn watch<T>(
         &self,
         k: usize,
@@ -224,7 +224,7 @@ impl<'a> Board<'a> {
         done
     }
 
-    /// Changes the state of an engine and reports, at once or when it is time.
+    /// Changes the state of an engine and reports, at once or when a report is due.
     fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>) -> T) -> T {
         let (lanes, told) = &mut *lock(&self.lanes);
         let changed = by(&mut lanes[k]);
@@ -239,7 +239,7 @@ impl<'a> Board<'a> {
                 .filter_map(|lane| Some((lane.took?, lane.cost_s)));
             let known = done.clone().filter_map(|(took, cost)| Some((took, cost?)));
             let [took, cost] = known.fold([0.0; 2], |[a, b], (took, cost)| [a + took, b + cost]);
-            // A busy machine is slower, and what was kept faster.
+            // A busy machine is slower; stored runs are faster.
             let pace = if took > cost && cost > 0.0 {
                 took / cost
             } else {
@@ -248,7 +248,7 @@ impl<'a> Board<'a> {
             let left = lanes.iter().map(|lane| lane.left_s(pace));
             let left = left.collect::<Option<Vec<f64>>>();
             (self.control.progress)(Progress {
-                // Of the longest, or of what is left on so many lanes.
+                // Longest remaining time, or the total over the number of lanes if larger.
                 left_s: left.map(|left| {
                     let longest = left.iter().copied().fold(0.0, f64::max);
                     longest.max(left.iter().sum::<f64>() / self.jobs as f64)

@@ -1,6 +1,6 @@
-//! One scene on several engines, and data from elsewhere, compared.
+//! Comparison of one scene on several engines, with foreign data.
 //!
-//! [`run`] gives an [`Outcome`]: data only. [`Outcome::write`] keeps it as files.
+//! [`run`] returns an [`Outcome`], which is data only; [`Outcome::write`] writes its files.
 
 mod context;
 pub mod foreign;
@@ -45,36 +45,36 @@ pub use twins::{MatchedContactRun, TwinFigure};
 /// Inputs of a comparison.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
-    /// The scene, compiled; with data from elsewhere as [`foreign::with_channels`] gives it.
+    /// Compiled scene; with foreign data as returned by [`foreign::with_channels`].
     pub gearbox: &'a Gearbox,
-    /// The engines, see [`crate::choice::engines`].
+    /// Engines, see [`crate::choice::engines`].
     pub engines: &'a [Box<dyn Engine>],
-    /// Data from elsewhere.
+    /// Foreign data.
     pub data: &'a [Data],
 }
 
-/// A comparison with everything it rests on.
+/// Comparison with all its evidence.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// The scene as run, compiled.
+    /// Compiled scene of the runs.
     pub gearbox: Gearbox,
     /// Figures, distances, limits and verdicts.
     pub comparison: Comparison,
-    /// The runs behind it: those of the engines in their order, then the data from elsewhere.
+    /// Runs of the engines in their order, then the foreign data.
     pub participants: Vec<Participant>,
-    /// Parts that are modelled and those that are left out.
+    /// Modelled and omitted parts.
     pub model: Explanation,
-    /// Values that are assumptions, and what they rest on.
+    /// Assumed values with their basis.
     pub assumptions: Vec<Assumption>,
-    /// Figures with other contact laws and fits; `None`: there is nothing to compare.
+    /// Figures with other contact laws and fits; `None` without a comparison.
     pub bands: Option<Bands>,
     /// Loads of the parts against what they may bear; `None` of a gear that cannot be balanced.
     pub limits: Option<Limits>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<MatchedContactRun>,
-    /// The gearbox in motion, for a page.
+    /// Motion of the gearbox, for a page.
     pub motion: Option<Motion>,
-    /// Which stage of an engine with the scene's law differs, and why.
+    /// Stages at which engines with the scene's law differ, with the reasons.
     pub stages: Vec<Located>,
 }
 
@@ -94,8 +94,7 @@ struct Found<'a> {
     scene: &'a Scene,
 }
 
-/// Runs every engine and compares, each with its numerical uncertainty. What an engine does wrong stands in its
-/// [`Status`].
+/// Runs every engine and compares them with their numerical uncertainties. A failure of an engine is in its [`Status`].
 ///
 /// # Errors
 /// Cancelled; a scene that cannot be modelled; data that do not fit it.
@@ -103,10 +102,10 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<Outcome, StudyErr
     run_with(input, Effort::of(&input.gearbox.scene), control)
 }
 
-/// [`run`] with as much effort as is asked for.
+/// Runs a comparison like [`run`], with the given effort.
 ///
 /// # Errors
-/// As [`run`].
+/// Errors of [`run`].
 pub fn run_with(
     input: &Input<'_>,
     effort: Effort,
@@ -115,10 +114,10 @@ pub fn run_with(
     run_on(input, effort, &Lanes::default(), control)
 }
 
-/// [`run_with`] on as many threads and processes as are given. Results do not depend on their number.
+/// Runs a comparison like [`run_with`] on the given threads and processes. Results do not depend on their number.
 ///
 /// # Errors
-/// As [`run`].
+/// Errors of [`run`].
 pub fn run_on(
     input: &Input<'_>,
     effort: Effort,
@@ -127,7 +126,7 @@ pub fn run_on(
 ) -> Result<Outcome, StudyError> {
     let scene = &input.gearbox.scene;
     let model = pinwheel_gearbox::explain(input.gearbox);
-    // How far single runs are says nothing of the time that the others take.
+    // The progress of single runs does not indicate the time of the others.
     let pieces = |at: Progress<'_>| {
         if at.simulated_s.is_none() {
             (control.progress)(at);
@@ -192,43 +191,43 @@ pub fn run_on(
         twins,
         motion: Motion::of(input.gearbox, control)?,
     };
-    // Verdicts of pairs know neither twins nor runs that broke.
+    // Verdicts of pairs include neither twins nor failed runs.
     outcome.comparison.passed = outcome.exit_status() == 0 && outcome.broken(false).is_none();
     Ok(outcome)
 }
 
-/// Differences of an engine's peaks from this on are explained, or the comparison confirms nothing.
+/// Difference of an engine's peaks from which the comparison passes only with an explanation.
 const EXPLAINED: f64 = 0.1;
-/// Forces and torques of a gear without load, N and N m.
+/// Forces, N, and torques, N m, that count as zero for a gear without load.
 const ROUNDING: f64 = 1e-6;
 
-/// The largest difference of a figure between an engine and the native solver, judged or not.
+/// Largest difference of a figure between an engine and the native solver, judged or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest<'a> {
-    /// The engine, or the measured data.
+    /// Engine or measured data.
     pub engine: &'a str,
     /// True if `engine` is measured data.
     pub measured: bool,
     /// Column or group of columns: the largest force, or the mean torque.
     pub quantity: &'static str,
-    /// By the native solver.
+    /// Value of the native solver.
     pub here: f64,
-    /// By the engine.
+    /// Value of the engine.
     pub there: f64,
-    /// Run with the engine's real contacts, if those are not the scene's law.
+    /// Native run with the engine's own contacts, if these are not the scene's law.
     pub twin: Option<&'a MatchedContactRun>,
     /// Verdict on the two values, if they were compared.
     pub verdict: Option<Verdict>,
 }
 
 impl Largest<'_> {
-    /// The difference as a share.
+    /// Returns the relative difference.
     #[must_use]
     pub fn share(&self) -> f64 {
         (self.there / self.here - 1.0).abs()
     }
 
-    /// True if the two agree, or if the engine's own contacts explain the difference: the engine agrees with its twin.
+    /// True if both agree, or if the engine agrees with its twin, so that its own contacts explain the difference.
     #[must_use]
     pub fn is_explained(&self) -> bool {
         let twin = self.twin.map(|twin| twin.verdict);
@@ -237,13 +236,13 @@ impl Largest<'_> {
 }
 
 impl Outcome {
-    /// Returns the largest difference between the native solver and another participant in mean torque or largest force, at the
-    /// samples that both have; once the gear runs steadily if it does.
+    /// Returns the largest difference between the native solver and another participant in mean torque or largest force, at
+    /// their common samples; in the steady window if there is one.
     #[must_use]
     pub fn largest(&self) -> Option<Largest<'_>> {
         let windows = &self.comparison.windows;
         let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
-        // In a start-up contacts of another kind swing otherwise.
+        // During the start-up other contacts oscillate differently.
         let window = steady.or(windows.first())?.kind;
         let native = |p: &&Participant| p.track == SharedModel::Native && p.status.is_finished();
         let native = self.participants.iter().rfind(native)?;
@@ -284,14 +283,14 @@ impl Outcome {
             .max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// True if a difference stands that nothing explains.
+    /// True if an unexplained difference remains.
     #[must_use]
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
         largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
     }
 
-    /// The exit status: 1 too if an engine differs from its twin.
+    /// Returns the exit status: also 1 if an engine differs from its twin.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let twins = self.twins.iter();
@@ -301,8 +300,8 @@ impl Outcome {
         }
     }
 
-    /// Error of the first engine that gave no result, with a remedy. Engines that cannot honour the scene count only if
-    /// they were `asked` for by name.
+    /// Returns the error of the first engine without a result, with a remedy. Engines that do not support the scene count only
+    /// if they were `asked` for by name.
     #[must_use]
     pub fn broken(&self, asked: bool) -> Option<String> {
         let mut each = self.participants.iter();
@@ -310,7 +309,7 @@ impl Outcome {
             let remedy = match participant.status {
                 Status::Finished => return None,
                 Status::Unsupported { .. } | Status::Absent { .. } if !asked => return None,
-                // Whoever names a solver by its manifest suggested_limit_s for it.
+                // A solver added by its manifest counts as asked for.
                 Status::TimedOut { .. } if !asked && !has_joined(&participant.name) => return None,
                 Status::Diverged { .. } => {
                     "try a smaller solver.step_s or another solver.integrator"
@@ -322,8 +321,7 @@ impl Outcome {
         })
     }
 
-    /// Writes `summary.json` and, in a folder for each, `courses.csv` and `run.json` of everything that ran into the
-    /// folder `dir`.
+    /// Writes `summary.json` into the folder `dir`, and for each participant a folder with `courses.csv` and `run.json`.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -335,7 +333,7 @@ impl Outcome {
             }
             let place = output::folder(dir, &participant.name)?;
             if participant.track == SharedModel::Measured {
-                // As they are compared.
+                // Time series as compared.
                 save(&participant.time_series, &place.join("courses.csv"))?;
                 continue;
             }
@@ -376,8 +374,8 @@ fn has_joined(engine: &str) -> bool {
     joined.iter().any(|solver| solver.name() == engine)
 }
 
-/// Tolerances that the authors of joined solvers state for their own contact models, once a run is steady: mean driver
-/// torque, and whole time series of everything else.
+/// Returns the tolerances that authors of added solvers state for their own contact models, in the steady window: mean driver
+/// torque, and time series of all other quantities.
 fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     let joined = external::joined().into_iter();
     joined.flat_map(|solver| {
@@ -401,8 +399,8 @@ fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     })
 }
 
-/// Runs one engine, where stated within `most`, and makes a participant of it, however it ended; with the coarser runs by
-/// which the engine itself verified it.
+/// Runs one engine, within `most` if stated, and returns it as a participant with any ending, and the coarser runs of its own
+/// verification.
 fn take_part(
     engine: &dyn Engine,
     gearbox: &Gearbox,
@@ -425,7 +423,7 @@ fn take_part(
         Ok::<_, StudyError>(run)
     };
     let run = engine.kept(gearbox, most).map_or_else(live, Ok)?;
-    // A live engine that is missing here (no Python, no network) may have been recorded.
+    // A recording may replace a live engine that is missing here (no Python, no network).
     if let Status::Absent { reason } | Status::Failed { reason } = &run.ending
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
@@ -445,11 +443,11 @@ fn take_part(
     Ok((participant, run.uncertainty.and_then(|own| own.ladder)))
 }
 
-/// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the
-/// paper's gear.
+/// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the paper's
+/// gear.
 const DIVERGENCE_STEP: f64 = 0.05;
 
-/// Effect of a rounding on the scene; `None` where nothing is compared or it cannot be measured.
+/// Measures the effect of a rounding on the scene; `None` without a comparison, or if it cannot be measured.
 #[doc(hidden)]
 pub fn divergence(
     gearbox: &Gearbox,
@@ -463,7 +461,7 @@ pub fn divergence(
     match divergence::horizon(gearbox, DIVERGENCE_STEP, watch) {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
-        // Another engine may honour a scene that the native one refuses.
+        // Another engine may support a scene that the native one refuses.
         Err(_) => Ok(None),
     }
 }

@@ -1,9 +1,9 @@
-//! The refinement study of every engine: what its numbers are uncertain by, refined while time allows.
+//! Refinement study of every engine: its numerical uncertainty, refined while time allows.
 //!
-//! The finest run is the one that is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the
-//! tolerance; less for RODAS5P) say how far it may be off. Where a setting is free, and not stated by whoever asks, an engine whose
-//! uncertainty is too large is run finer: the finest run so far becomes a level, so each refinement costs one run. An engine that
-//! verified its run itself brings the levels of that, and is run once.
+//! The finest run is shown and compared; two coarser ones (2 and 4 times the step, 10 and 100 times the tolerance; less for
+//! RODAS5P) give its uncertainty. If a setting is free, i.e. not stated by the user, an engine with too large an uncertainty
+//! gets a finer run: the previous finest run becomes a level, so each refinement costs one run. An engine that verified its own
+//! run provides these levels, and runs once.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -24,24 +24,23 @@ use super::take_part;
 use crate::StudyError;
 use crate::control::{Control, Progress, WITHIN};
 
-/// How much is done for sharp statements.
+/// Effort for small uncertainties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// CPU time that one engine's runs may take before it is refined no further.
+    /// CPU time of one engine's runs after which it is not refined further.
     pub longest: Duration,
-    /// True if step, tolerance and integrator of the scene are obeyed as they stand. DefaultValue they are where
-    /// refinement begins.
+    /// True if step, tolerance and integrator of the scene are binding; otherwise refinement begins with them.
     pub obey: bool,
-    /// The largest U of a pair that still counts as resolved, relative.
+    /// Largest relative U of a pair that counts as resolved.
     pub resolution: f64,
 }
 
 impl Effort {
-    /// Half a minute an engine.
+    /// Default: half a minute for each engine.
     pub const LONGEST: Duration = Duration::from_secs(30);
 
-    /// Effort that suits a scene: settings that its file states are obeyed, those that follow from formulas or come
-    /// with a base are a beginning.
+    /// Returns the effort for a scene: settings stated in its file are binding; those from formulas or a base are a start for
+    /// refinement.
     #[must_use]
     pub fn of(scene: &CheckedScene) -> Self {
         let origins = scene.origins();
@@ -55,11 +54,11 @@ impl Effort {
     /// Keys by which a user sets what otherwise follows from the scene.
     const KEYS: [&str; 3] = ["solver.step_s", "solver.tolerance", "solver.integrator"];
 
-    /// As [`of`](Self::of) for the scene that the user calls `spec` and changes by `sets`: what these state is obeyed, what a
-    /// preset says is a beginning.
+    /// Returns the effort like [`of`](Self::of) for the scene `spec` with the overrides `sets`: their settings are binding,
+    /// those of a preset are a start.
     ///
     /// # Errors
-    /// A time below 0, or a resolution that is no share.
+    /// A time below 0, or a resolution outside of 0 to 1.
     pub fn asked(
         scene: &CheckedScene,
         spec: &str,
@@ -83,18 +82,18 @@ impl Effort {
     }
 }
 
-/// Time that one run may take however little there is. Nobody minds a second.
+/// Time always permitted for one run, however small the limit.
 const LEAST: Duration = Duration::from_millis(500);
-/// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.
+/// Share of the resolution for one engine's uncertainty, which leaves room for the other's.
 const TARGET: f64 = 0.45;
-/// Most that one refinement makes finer.
+/// Largest factor of one refinement.
 const MOST: f64 = 8.0;
-/// How much dearer a run at a tenth of the tolerance is.
+/// Cost ratio of a run at a tenth of the tolerance.
 const DECADE: f64 = 1.8;
 /// Least tolerance of a refinement.
 const FINEST: f64 = 1e-13;
 
-/// An engine, and how its error is set.
+/// Engine with its accuracy setting.
 pub struct Refiner<'a> {
     engine: &'a dyn Engine,
     /// The gearbox with a named method.
@@ -103,17 +102,17 @@ pub struct Refiner<'a> {
     by: Refinement,
     /// Step (s) or tolerance of the finest run.
     pub value: f64,
-    /// Error of all runs alike that none of them shows: a share of a quantity, or of one and the tolerance.
+    /// Error common to all runs, which none of them reveals: a share of a quantity, or of quantity and tolerance.
     shared_error: f64,
 }
 
-/// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
+/// Initial tolerance of RODAS5P in a comparison; ten times this is the loosest usable one.
 const ROSENBROCK: f64 = 1e-6;
 
-const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
+const EXPLICIT: &str = "its friction is its own or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Refiner<'a> {
-    /// Begins at the scene's own setting; `None` where no setting of the scene is the engine's.
+    /// Begins at the scene's own setting; `None` if no setting of the scene controls the engine.
     pub fn of(engine: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
         let info = engine.info();
         let (by, shared_error) = match info.form {
@@ -137,7 +136,7 @@ impl<'a> Refiner<'a> {
         })
     }
 
-    /// The candidates to run a scene, the best first: one, but for native engines whose method is left to us.
+    /// Returns the candidates for a scene, the best first: one, except for native engines with a free choice of method.
     fn candidates(engine: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
         let automatic = gearbox.scene.solver.integrator == auto::AUTO;
         if !automatic || !matches!(engine.info().form, Some(Form::Reduced | Form::Lagrange)) {
@@ -145,7 +144,7 @@ impl<'a> Refiner<'a> {
         }
         let mut plans = auto::chain(&gearbox.scene, auto::TARGET);
         if let Some((_, others)) = plans.split_first_mut() {
-            // Where friction was too stiff for one method, explicit steps get through and chatter.
+            // If friction is too stiff for one method, explicit steps may finish, but chatter.
             others.sort_by_key(|plan| plan.family() == Some(Family::Explicit));
         }
         let way = |plan: &Plan| {
@@ -158,15 +157,15 @@ impl<'a> Refiner<'a> {
         plans.iter().filter_map(way).collect()
     }
 
-    /// Factor by which its steps must be shorter than `value` to follow explicit friction; `None` if they do.
+    /// Returns the factor by which its steps must be shorter than `value` to resolve explicit friction; `None` if they do.
     fn chatters(&self, value: f64) -> Option<f64> {
         let explicit = self.is_runge_kutta() || self.engine.info().explicit_friction;
         let shorter = unfollowed(&self.gearbox.scene, value);
         shorter.filter(|_| explicit && self.by.knob == AccuracySetting::Step)
     }
 
-    /// Returns the final reason of an engine at a prescribed step whose friction is not ours or explicit: more may not be
-    /// asked of it. Error control follows the friction.
+    /// Returns the final reason of a foreign engine with friction at a prescribed step, which must not be refined. Error
+    /// control resolves the friction.
     fn obedient(&self) -> Option<Final> {
         let foreign = self.engine.info().form.is_none();
         let stepped = foreign && self.by.knob == AccuracySetting::Step;
@@ -176,13 +175,12 @@ impl<'a> Refiner<'a> {
         })
     }
 
-    /// Family of the method that the scene names.
+    /// Returns the family of the scene's method.
     fn family(&self) -> Option<Family> {
         method(&self.gearbox.scene.solver.integrator).map(|method| method.family)
     }
 
-    /// True if the engine is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no
-    /// Jacobian.
+    /// True if the engine is a native form with steps of Dormand-Prince, which `etd-adams` uses without a Jacobian.
     fn is_runge_kutta(&self) -> bool {
         match self.engine.info().form {
             Some(Form::Lagrange) => {
@@ -210,29 +208,29 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Begins where two coarser runs are possible.
+    /// Limits the setting so that two coarser runs are possible.
     pub fn leave_room(&mut self) {
         if self.by.knob == AccuracySetting::Step {
             self.value = self.value.min(self.gearbox.scene.solver.sample_s / 4.0);
         }
     }
 
-    /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
+    /// Returns two coarser settings than `value`; fewer if a step would exceed the distance of samples.
     pub fn coarser(&self, value: f64) -> Vec<f64> {
         if self.by.knob == AccuracySetting::Tolerance {
             let factor = match self.family() {
-                // Looser than 1e-5 it does not land on the friction's ramp.
+                // Above 1e-5 its steps do not end on the friction's ramp.
                 Some(Family::Rosenbrock) => 10_f64.sqrt(),
                 _ => 10.0,
             };
             return vec![value * factor, value * factor * factor];
         }
-        // No step is longer than the samples are apart: engines end one at each, so a longer one would show nothing.
+        // Engines end a step at each sample, so a longer step would change nothing.
         let sample_s = self.gearbox.scene.solver.sample_s;
         let steps = sample_s / value;
         let whole = (steps - steps.round()).abs() < 1e-6;
         let longer = [2.0, 4.0].map(|times| match whole {
-            // Samples stay on steps.
+            // Samples stay at ends of steps.
             true => sample_s / (steps.round() / times).ceil(),
             false => times * value,
         });
@@ -267,7 +265,7 @@ impl<'a> Refiner<'a> {
             .sum()
     }
 
-    /// Factor of the least refinement.
+    /// Returns the least refinement factor.
     fn least(&self) -> f64 {
         match self.by.knob {
             AccuracySetting::Step => 2.0,
@@ -275,7 +273,7 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// How much dearer a run is whose setting is `factor` times finer.
+    /// Returns the cost ratio of a run with a setting `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.by.knob {
             AccuracySetting::Step => factor,
@@ -283,8 +281,8 @@ impl<'a> Refiner<'a> {
         }
     }
 
-    /// Returns the factor of the next refinement, which is to be `needed`: in halves or decades, as large as the time `left`
-    /// allows for a run that took `cpu_s`; and the time that it takes. It may not fit.
+    /// Returns the factor of the next refinement, in halves or decades up to `needed`, limited by the time `left` for a run
+    /// that took `cpu_s`; and the time it takes, which may still exceed `left`.
     fn next(&self, needed: f64, cpu_s: f64, left: f64) -> (f64, f64) {
         let least = self.least();
         let most = match self.by.knob {
@@ -300,7 +298,7 @@ impl<'a> Refiner<'a> {
     }
 }
 
-/// A run as a level of a ladder.
+/// Converts a run to a level of a ladder.
 fn level(setting: f64, ran: Participant) -> Level {
     Level {
         setting,
@@ -312,8 +310,8 @@ fn level(setting: f64, ran: Participant) -> Level {
     }
 }
 
-/// Returns the CPU time of a run and its children, s: unlike wall time it hardly depends on what else the machine does, so that
-/// a verdict repeats.
+/// Returns the CPU time of a run and its children, s: unlike wall time it hardly depends on other load of the machine, so that
+/// verdicts are reproducible.
 fn cpu_s(run: &Participant) -> f64 {
     match run.cost.cpu_s {
         known if known > 0.0 => known,
@@ -332,7 +330,7 @@ pub fn refine(
 ) -> Result<(Participant, Evidence), StudyError> {
     let name = engine.name();
     let mut candidates = Refiner::candidates(engine, gearbox).into_iter();
-    // What its user states is run, and so is the native engine.
+    // A user's binding setting always runs, and so does the native engine.
     let limited = !effort.obey && engine.track() != SharedModel::Native;
     let most = limited.then(|| effort.longest.max(LEAST).saturating_mul(WITHIN));
     let has_friction = gearbox.has_friction();
@@ -361,17 +359,17 @@ pub fn refine(
         waited.set(waited.get() + ran.cost.wall_s);
         Ok::<_, StudyError>(ran)
     };
-    // Runs that are left take `left_s`, the finest of them `finest_s`; known where it cannot be refined any further in its time.
+    // Remaining runs take `left_s`, the finest of them `finest_s`; known if no further refinement fits the time.
     let tell = |refiner: &Refiner<'_>, left_s: f64, finest_s: f64| {
         let finer = finest_s * refiner.dearer(refiner.least());
         let known = !free || spent.get() + left_s + finer > longest;
         (control.progress)(Progress {
-            // On a busy machine it is more.
+            // A busy machine needs more.
             left_s: known.then_some(left_s * (waited.get() / spent.get()).max(1.0)),
             ..at
         });
     };
-    // A foreign engine is asked for its coarsest run first: what that takes tells whether the others fit the time.
+    // A foreign engine runs its coarsest level first, to predict whether the others fit the time.
     let mut coarsest = None;
     if limited
         && free
@@ -404,7 +402,7 @@ pub fn refine(
         refiner = next;
         (value, finest) = (refiner.value, run(&refiner, refiner.value)?);
     }
-    // A derived setting may be too coarse to get through at all.
+    // A derived setting may be too coarse to finish.
     for _ in 0..3 {
         if diverged(&finest) && free && spent.get() <= longest {
             value /= 4.0;
@@ -435,7 +433,7 @@ pub fn refine(
         let evidence = match ladder.coarser.is_empty() {
             true => Evidence::unknown(
                 name,
-                "its step is as long as its samples are apart, so no coarser run shows its error",
+                "its step equals its sample interval, so no coarser run shows its error",
                 "take a step of a quarter of solver.sample_s or less",
             ),
             false => Evidence::refinement(name, ladder.clone()),
@@ -457,7 +455,7 @@ pub fn refine(
             finer = ran.status.is_finished().then_some(ran);
         }
         let Some(finer) = finer else {
-            // Foreign engines do what they can in the time they have; ours must do.
+            // Foreign engines use the available time; the native engine must reach the target.
             if finest.track != SharedModel::Native {
                 let enough = spent.get() + 1.2 * took * refiner.dearer(needed);
                 is_final = Some(Final {
@@ -476,12 +474,12 @@ pub fn refine(
     }
 }
 
-/// Evidence of a run without coarser ones.
+/// Returns the evidence of a run without coarser ones.
 fn unrefined(engine: &dyn Engine, ran: &Participant) -> Evidence {
     let (name, info) = (engine.name(), engine.info());
     let unknown = |group: &'static str, reason: &str| {
         Evidence::unknown(name, reason, "compare it by its means")
-            .finally(group, "its numerical uncertainty cannot be had by refining")
+            .finally(group, "refinement does not give its numerical uncertainty")
     };
     let is_fixed = info.form.is_none() && info.refinement.is_none();
     if ran.cost.recorded.is_some() {
@@ -503,8 +501,8 @@ fn unrefined(engine: &dyn Engine, ran: &Participant) -> Evidence {
     } else if !ran.status.is_finished() {
         Evidence::unknown(name, "its run did not finish", "see its reason")
     } else {
-        let notes = "see its notes for what it verified itself";
-        Evidence::unknown(name, "coarser runs of its method do not get through", notes).finally(
+        let notes = "see its notes for its own verification";
+        Evidence::unknown(name, "coarser runs of its method do not finish", notes).finally(
             "runs that verified themselves",
             "it verified itself, see its notes",
         )
@@ -518,9 +516,9 @@ fn blunt() -> Unresolved {
     )
 }
 
-/// The evidence, and why it is final. An engine with friction, or at its best, that does not converge in one quantity is outside
-/// of the range in which refinement shows errors: then it shows none. So is an engine at its best whose friction is
-/// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
+/// Returns the evidence, and why it is final. If an engine with friction, or one at its finest setting, fails to converge in
+/// any quantity, it is outside the asymptotic range: its uncertainty is then unknown. So is that of an engine at its finest
+/// setting with friction whose uncertainty exceeds the resolution anywhere, because unresolved friction affects every quantity.
 fn settled(
     mut evidence: Evidence,
     has_friction: bool,
@@ -538,11 +536,11 @@ fn settled(
     evidence
 }
 
-/// Work that remains for an engine.
+/// Required refinement of an engine.
 struct Needed {
-    /// How many times finer it must run to be resolved; `None` where it is.
+    /// Refinement factor to be resolved; `None` if resolved.
     factor: Option<f64>,
-    /// Why a quantity does not converge.
+    /// Reason why a quantity does not converge.
     stuck: Option<Unresolved>,
 }
 
@@ -554,7 +552,7 @@ fn needed(context: &Context, run: &Participant, evidence: &Evidence, target: f64
         }
         match (&one.l2, one.relative_l2) {
             (Uncertainty::Known(estimate), Some(share)) if share > target => {
-                // Runs that show no order may do so when they are finer; what is rounding stays.
+                // Runs without an order may show one when finer; rounding remains.
                 let is_spread = estimate.basis == Basis::Spread;
                 let factor = estimate.refinement_for(estimate.u * target / share);
                 most = most.max(factor.unwrap_or(if is_spread { MOST } else { 1.0 }));

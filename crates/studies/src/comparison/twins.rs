@@ -1,4 +1,4 @@
-//! Engines with contacts of their own, each against a native run with equal contacts, its twin.
+//! Engines with their own contacts, each against a native run with equal contacts, its twin.
 
 use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict, WindowKind};
 use pinwheel_engines::{Engine, Native, OwnContact, known};
@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::control::{Progress, compile};
 use crate::{Control, StudyError};
 
-/// One figure of an engine, its twin and the scene's own law.
+/// Figure of an engine, its twin and the scene's own law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TwinFigure {
     /// Definition.
@@ -32,17 +32,17 @@ impl TwinFigure {
         self.engine / self.twin - 1.0
     }
 
-    /// Returns the relative difference of the engine's contacts and the scene's law.
+    /// Returns the relative difference between the engine's contacts and the scene's law.
     #[must_use]
     pub fn of_law(&self) -> f64 {
         self.twin / self.scene - 1.0
     }
 }
 
-/// An engine and its twin.
+/// Engine with its twin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchedContactRun {
-    /// The engine.
+    /// Name of the engine.
     pub engine: String,
     /// Contacts of the engine in words.
     pub contacts: String,
@@ -50,7 +50,7 @@ pub struct MatchedContactRun {
     pub figures: Vec<TwinFigure>,
     /// Largest permitted relative difference of engine and twin.
     pub tolerance: f64,
-    /// *Agree* within the tolerance; *inconclusive* where the twin did not finish.
+    /// Verdict: *agree* within the tolerance; *inconclusive* if the twin did not finish.
     pub verdict: Verdict,
 }
 
@@ -65,8 +65,8 @@ impl MatchedContactRun {
     }
 }
 
-/// Largest of all channels at a sample, mean over the window. The single largest sample of all also holds the remaining
-/// vibrations, which every integrator damps in its own way.
+/// Largest value of all channels at a sample, averaged over the window. A single largest sample would include residual
+/// vibrations, which every integrator damps differently.
 const LARGEST: &str = "largest";
 
 /// Compared figures, each with its kind.
@@ -166,7 +166,7 @@ fn in_words(kind: OwnContact, scene: &Scene) -> String {
     }
 }
 
-/// A figure of `series` at those samples of a window that `like` has.
+/// Returns a figure of `series` at the samples of `like` in a window.
 fn figure(
     series: &TimeSeries,
     like: &TimeSeries,

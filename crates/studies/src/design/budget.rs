@@ -1,4 +1,4 @@
-//! The compliance budget: what gives way, part by part.
+//! Compliance budget: deflection by parts.
 //!
 //! The gear is balanced with contacts alone, then with its eccentric bearings, then with the parts behind them, then with carrier
 //! and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
@@ -14,38 +14,37 @@ use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::{compile, of_scene};
 use crate::{Control, StudyError};
 
-/// One part, and the gear with all parts up to it.
+/// Compliance of one part, and of the gear with all parts up to it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
     /// Part that deflects.
     pub part: &'static str,
-    /// Share of the whole compliance that it adds.
+    /// Share of the total compliance.
     pub share: f64,
-    /// Stiffness of the gear with it and all parts before, mean over the mesh, N m/arcmin.
+    /// Stiffness of the gear with this part and all before, mean over the mesh, N m/arcmin.
     pub stiffness_n_m_per_arcmin: f64,
     /// Lost motion of that gear, largest over the mesh, arcmin.
     pub lost_motion_arcmin: f64,
 }
 
-/// Compliance that remains besides all that a scene has, as a fit to a stiffness that a catalogue or a measurement
-/// states.
+/// Remaining compliance beyond the scene's parts, fitted to a stated stiffness of a catalogue or a measurement.
 ///
-/// It is one spring between carrier and output: it says how large the rest is, not what it is made of.
+/// One spring between carrier and output represents it: its size is known, not its cause.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rest {
     /// Stated stiffness, N m/arcmin.
     pub stated_n_m_per_arcmin: f64,
-    /// `bearings.output_torsion_n_m_rad` with which the scene has that stiffness.
+    /// Value of `bearings.output_torsion_n_m_rad` that gives the scene that stiffness.
     pub output_torsion_n_m_rad: f64,
-    /// Its share of the whole compliance.
+    /// Share of the total compliance.
     pub share: f64,
 }
 
 impl Rest {
-    /// Remainder of a gear whose stiffness is stated.
+    /// Computes the remaining compliance of a gear with a stated stiffness.
     ///
     /// # Errors
-    /// It is none, or the gear is as soft without a rest.
+    /// A stated stiffness that is not positive, or not below the gear's.
     pub(super) fn of(found: &DesignResult, stated: f64) -> Result<Self, StudyError> {
         let before = found.budget.iter().rfind(|share| share.part != REST);
         let own = before.map_or(found.torsion.stiffness_n_m_per_arcmin.mean, |share| {
@@ -66,9 +65,9 @@ impl Rest {
     }
 }
 
-/// The part that gives way in every gear.
+/// Part that deflects in every gear.
 pub(super) const CONTACTS: &str = "contacts";
-/// The part that a fit replaces.
+/// Part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
 /// Gives a scene what a part of the whole one has.

@@ -18,7 +18,7 @@ use crate::balances::spread::ARCMIN;
 use crate::control::compile;
 use crate::{Control, StudyError, single};
 
-/// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
+/// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
 const SLOW: f64 = 300.0;
 /// Likewise of a gear on whose loop friction acts, which damps it.
 const SLOW_WITH_FRICTION: f64 = 120.0;
@@ -43,23 +43,23 @@ pub struct Cycle {
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
     /// friction fades on it.
     pub width_arcmin: Option<f64>,
-    /// How far it may be off: by the run's own verification of the forces, by how far samples are apart, and by half of what
-    /// the branches are apart there.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, and half of the branches'
+    /// distance there.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// How far the width may be off, by the first two.
+    /// Uncertainty of the width, arcmin: the first two of these.
     pub width_uncertainty_arcmin: Option<f64>,
-    /// How the run ended.
+    /// Ending of the run.
     pub status: &'static str,
     /// Sample times, s.
     #[serde(skip)]
     pub time_s: Vec<f64>,
-    /// Load, N m, positive in the direction that turns the output on.
+    /// Load, N m, positive in the direction of the output's motion.
     #[serde(skip)]
     pub torque_n_m: Vec<f64>,
     /// Output angle, arcmin.
     #[serde(skip)]
     pub angle_arcmin: Vec<f64>,
-    /// First sample of the closed loop: before that the load rises for the first time.
+    /// First sample of the closed loop; before it the load rises for the first time.
     #[serde(skip)]
     pub closed_from: usize,
 }
@@ -109,11 +109,11 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
     let from = |t: f64| time_s.partition_point(|&at| at < t);
-    // The branch down, and the branch up again.
+    // Branches of decreasing and of increasing load.
     let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
     let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
     let whole = found.run.ending.is_finished();
-    // Of both branches, with every so many samples: the angles at a torque.
+    // Angles of both branches at a torque, with every `every`-th sample.
     let both = |torque: f64, every: usize| {
         let at = |branch: &std::ops::Range<usize>| {
             let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());

@@ -1,12 +1,12 @@
-//! The discs as drawings, in millimetres: DXF for CAD, CSV for programs.
+//! Drawings of the discs, in millimetres: DXF for CAD, CSV for programs.
 //!
-//! The DXF is AutoCAD's of release 12, ASCII, which everything reads: a closed polyline on the layer `edge`, circles on `holes`, `bore`
-//! (of the bearing on the eccentric), and, where they mesh with the disc at the input angle 0, `ring_pins` and `output_pins`.
-//! Source of the group codes: Autodesk, DXF Reference, sections HEADER, POLYLINE, VERTEX, CIRCLE.
+//! The DXF is ASCII of AutoCAD release 12, which all programs read: a closed polyline on the layer `edge`, circles on
+//! `holes`, `bore` (of the bearing on the eccentric), and, at their places for the input angle 0, `ring_pins` and
+//! `output_pins`. Source of the group codes: Autodesk, DXF Reference, sections HEADER, POLYLINE, VERTEX, CIRCLE.
 //!
-//! Discs that are one part are one drawing. Disc i of n is the first one with its holes turned by 2 pi i/(n zs) against its lobes,
-//! which is the same part if that is a/zs + b/zi turns for whole a and b: if gcd(zs, zi) divides i zi/n. Two discs are one part
-//! where zs is odd and zi even.
+//! Identical discs share a drawing. Disc i of n is the first one with its holes turned by 2 pi i/(n zs) against its lobes.
+//! Both are the same part if that is a/zs + b/zi turns for integers a and b: if gcd(zs, zi) divides i zi/n. Two discs are
+//! identical if zs is odd and zi even.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
@@ -22,35 +22,35 @@ use crate::output::{OutputError, write_text, write_with};
 /// Largest distance of the drawn edge from the true one, m.
 pub const CHORD_M: f64 = 1e-6;
 
-/// Distance of two holes that are at one place, as a share of their circle's radius.
+/// Distance at which two holes coincide, over their circle's radius.
 const SAME: f64 = 1e-9;
 
-/// A circle: its centre and radius, m.
+/// Circle: centre and radius, m.
 type Circle = ([f64; 2], f64);
 
 /// Drawing of one disc.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawing {
-    /// Discs that are this part.
+    /// Numbers of the discs with this drawing.
     pub wheels: Vec<usize>,
-    /// Corners of the edge.
+    /// Number of corners of the edge.
     pub corners: usize,
-    /// Largest distance of the edge from its chords that was found, m.
+    /// Largest computed distance of the edge from its chords, m.
     pub chord_error_m: f64,
     #[serde(skip)]
     outline: Outline,
-    /// Layers beside edge and holes.
+    /// Circles of layers besides edge and holes.
     #[serde(skip)]
     others: [(&'static str, Vec<Circle>); 3],
 }
 
-/// Draws every disc, those that are one part once.
+/// Draws every distinct disc.
 ///
 /// # Errors
-/// A disc so large that the chord error is next to nothing.
+/// A disc so large that the relative chord error is too small.
 pub fn discs(scene: &CheckedScene) -> Result<Vec<Drawing>, StudyError> {
     let gear = &scene.gear;
-    // Of a large gear, what a micrometre is to the paper's.
+    // For a large gear, the same relative error as a micrometre on the paper's.
     let chord_m = CHORD_M.max(1e-6 * gear.pitch_radius_m());
     let mut drawings: Vec<Drawing> = Vec::new();
     for wheel in 0..gear.wheels {
@@ -77,7 +77,7 @@ fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
-/// True if a disc is the other one turned by some of its lobes: all edges are alike, holes may differ.
+/// True if one disc is the other one turned by some lobes: all edges are equal, holes may differ.
 fn is_one_part(gear: &Gear, one: &Outline, other: &Outline) -> bool {
     let same = SAME * gear.internal_circle_radius_m;
     let lobes = gear.lobes();
@@ -93,7 +93,7 @@ fn is_one_part(gear: &Gear, one: &Outline, other: &Outline) -> bool {
     })
 }
 
-/// Bore, ring pins and output pins of a disc, in its own frame, at the input angle 0; cranks have no output pins.
+/// Returns bore, ring pins and output pins of a disc, in its own frame, at the input angle 0; cranks have no output pins.
 fn others(scene: &CheckedScene, wheel: usize) -> [(&'static str, Vec<Circle>); 3] {
     let gear = &scene.gear;
     let phase = TAU * wheel as f64 / gear.wheels as f64;
@@ -125,13 +125,13 @@ fn others(scene: &CheckedScene, wheel: usize) -> [(&'static str, Vec<Circle>); 3
 }
 
 impl Drawing {
-    /// Number of the first disc that is this part: its files are `disc_<number>.dxf` and `.csv`.
+    /// Returns the number of the first disc with this drawing, used in the files `disc_<number>.dxf` and `.csv`.
     #[must_use]
     pub fn number(&self) -> usize {
         self.wheels.first().copied().unwrap_or_default()
     }
 
-    /// Circles by layer.
+    /// Returns the circles by layer.
     fn circles(&self) -> impl Iterator<Item = (&'static str, &Circle)> {
         let holes = self.outline.holes_m.iter().map(|circle| ("holes", circle));
         let others = self.others.iter();
@@ -156,14 +156,14 @@ impl Drawing {
         })
     }
 
-    /// As a drawing in DXF, lengths in millimetres.
+    /// Returns the drawing in DXF, lengths in millimetres.
     #[must_use]
     pub fn dxf(&self) -> String {
         let mut text = String::new();
         let mut put = |code: u32, value: &str| {
             let _ = writeln!(text, "{code:>3}\n{value}");
         };
-        // A picometre: digits below are noise.
+        // A resolution of a picometre; further digits are noise.
         let mm = |metres: f64| format!("{:.9}", 1e3 * metres);
         put(
             999,
@@ -172,7 +172,7 @@ impl Drawing {
                 1e3 * self.chord_error_m
             ),
         );
-        // Millimetres: 4.
+        // Unit 4: millimetres.
         for (code, value) in [
             (0, "SECTION"),
             (2, "HEADER"),

@@ -1,21 +1,21 @@
-//! One gear joint that stands for the whole gear in a robot's model.
+//! Single gear joint that represents the gear in a robot's model.
 //!
-//! With the twist u = psi + phi/zs of the output psi against the input phi, both as they turn, the joint is
+//! With the twist u = psi + phi/zs of the output angle psi against the input angle phi, signs included, the joint is
 //!
 //! ```text
 //! J_out psi'' = T - k(u) - c u' - friction(psi'),    J_in phi'' = T_in - (k(u) + c u')/zs
 //! k(u) = sum of k_i max(0, |u| - b_i) sign(u)
 //! ```
-//! * **k**: springs in parallel, each with its dead band. They pass through the balances at [`LEVELS`] of the rated torque, mean
-//!   over the mesh and both directions, as the steepening curve below which none of them lies. Free play is the first dead band.
-//! * **c**: damping of the contacts about the balance under the rated load, discs following ([`Statics::compliance`]).
-//! * **friction**: what runs lose, as a torque on the output, fitted by a constant, a part that grows with the load and one that
-//!   grows with the speed. None of them below 0. Without runs it is not known, and left out.
-//! * **J_in**: the input shaft and the discs' masses on its eccentrics. **J_out**: the output with its pins, and the discs, which
-//!   turn with it.
+//! * **k**: springs in parallel, each with its dead band. They pass through the equilibria at [`LEVELS`] of the rated torque,
+//! averaged over the mesh and both directions: the largest curve of rising slope that is nowhere above these points. Free play
+//! is the first dead band.
+//! * **c**: damping of the contacts at the equilibrium under the rated load, with the discs following
+//! ([`Statics::compliance`]).
+//! * **friction**: losses of runs, as a torque on the output, fitted by a constant, a part proportional to the load and one
+//! proportional to the speed, none below 0. Without runs it is unknown and omitted.
+//! * **J_in**: input shaft and the discs' masses on its eccentrics. **J_out**: output with its pins, and the discs' rotation.
 //!
-//! Properties that the joint has not: transmission error, and the change of stiffness and play over the mesh (their
-//! spread is given).
+//! The joint omits the transmission error, and the variation of stiffness and play over the mesh (their spread is given).
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -35,53 +35,53 @@ use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::of_scene;
 use crate::output::{OutputError, file_name, write_text};
 
-/// Shares of the rated torque at which the joint's springs meet the gear.
+/// Shares of the rated torque at which the springs are fitted to the gear.
 pub const LEVELS: [f64; 6] = [1e-4, 0.03, 0.1, 0.25, 0.5, 1.0];
 /// Poses over one period of the mesh.
 const POSES: usize = 12;
-/// Steps of a simulation in one period of the joint's own vibration.
+/// Number of simulation steps in one period of the joint's vibration.
 const STEPS: f64 = 60.0;
 
-/// A spring of the joint with its dead band.
+/// Spring of the joint with its dead band.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spring {
-    /// Twist to either side at which it begins to act, rad.
+    /// Twist in either direction at which it engages, rad.
     pub dead_band_rad: f64,
-    /// Beyond that, N m/rad.
+    /// Stiffness beyond the dead band, N m/rad.
     pub stiffness_n_m_per_rad: f64,
 }
 
 /// Friction as a torque on the output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Friction {
-    /// Whatever load and speed, N m.
+    /// Constant part, N m.
     pub constant_n_m: f64,
-    /// Under the rated load, and in proportion to the load, N m.
+    /// Load-dependent part under the rated load, N m.
     pub of_rated_load_n_m: f64,
-    /// In proportion to the output's speed, N m s/rad.
+    /// Part proportional to the output's speed, N m s/rad.
     pub viscous_n_m_s_per_rad: f64,
 }
 
-/// The joint.
+/// Joint of a gear.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Joint {
-    /// Turns of the input per turn of the output; below 0, as they turn against each other.
+    /// Turns of the input per turn of the output; below 0, as they rotate in opposite directions.
     pub ratio: f64,
-    /// In parallel between input and output, by growing dead band.
+    /// Springs in parallel between input and output, by growing dead band.
     pub springs: Vec<Spring>,
-    /// Beside the springs, N m s/rad; `None`: the contacts have no slopes.
+    /// Damping parallel to the springs, N m s/rad; `None` if the contacts have no derivatives.
     pub damping_n_m_s_per_rad: Option<f64>,
-    /// `None`: no runs told.
+    /// Friction; `None` without runs.
     pub friction: Option<Friction>,
-    /// About the input's axis, kg m^2.
+    /// Moment of inertia about the input's axis, kg m^2.
     pub input_inertia_kg_m2: f64,
-    /// About the output's axis, kg m^2.
+    /// Moment of inertia about the output's axis, kg m^2.
     pub output_inertia_kg_m2: f64,
-    /// All of it with its uncertainty and its spread over the mesh.
+    /// Figures of the joint with uncertainties and spread over the mesh.
     pub figures: Vec<Figure>,
     /// Torque of the curve that the springs follow, N m.
     pub torque_n_m: Vec<f64>,
-    /// Twist there, mean over the mesh and both directions, rad.
+    /// Twist at these torques, mean over the mesh and both directions, rad.
     pub twist_rad: Vec<f64>,
     #[serde(skip)]
     masses_kg: [f64; 2],
@@ -91,17 +91,17 @@ pub struct Joint {
     name: String,
 }
 
-/// Balances of one pose.
+/// Equilibria of one pose.
 struct Pose {
     /// Half the twist between both directions, by [`LEVELS`], rad.
     twist: [f64; LEVELS.len()],
-    /// Mean of both directions.
+    /// Damping, mean of both directions.
     damping: Option<f64>,
 }
 
 impl Joint {
-    /// The joint of a gear under a rated load, from balances over the period of `poses`, and from runs; `step` is told the number of
-    /// every pose and of how many.
+    /// Identifies the joint of a gear under a rated load, from equilibria over the period of `poses`, and from runs; `step`
+    /// receives the number of each pose and their total.
     pub(super) fn identify(
         statics: &mut Statics<'_>,
         gearbox: &Gearbox,
@@ -175,7 +175,7 @@ impl Joint {
         ]
     }
 
-    /// Friction in motion under the rated load, N m.
+    /// Returns the friction in motion under the rated load, N m.
     fn coulomb(&self) -> f64 {
         self.friction
             .map_or(0.0, |f| f.constant_n_m + f.of_rated_load_n_m)
@@ -185,7 +185,7 @@ impl Joint {
         self.friction.map_or(0.0, |f| f.viscous_n_m_s_per_rad)
     }
 
-    /// A step that follows the joint's own vibration, s, of one digit.
+    /// Returns a step that resolves the joint's vibration, s, with one digit.
     fn step_s(&self) -> f64 {
         let stiffness: f64 = self.springs.iter().map(|s| s.stiffness_n_m_per_rad).sum();
         let input = self.ratio * self.ratio * self.input_inertia_kg_m2;
@@ -195,7 +195,7 @@ impl Joint {
         digit * (step / digit).floor()
     }
 
-    /// Comments that all files have, as lines.
+    /// Returns the comments common to all files, as lines.
     fn remarks(&self) -> String {
         let mut text = String::new();
         let mut line = |what: &str| {
@@ -220,7 +220,7 @@ impl Joint {
             ));
         }
         if let Some(friction) = self.friction {
-            // Motor and load both press on the gear, and the motor's torque holds the friction.
+            // Motor and load both press on the gear, and the motor's torque includes the friction.
             let share = friction.of_rated_load_n_m / self.rated_n_m;
             let of_load = share / (2.0 + share);
             let [base, viscous] = [friction.constant_n_m, friction.viscous_n_m_s_per_rad]
@@ -239,7 +239,7 @@ impl Joint {
         text
     }
 
-    /// MuJoCo: input and output as joints, between them fixed tendons as springs with dead bands.
+    /// Returns MuJoCo's form: input and output as joints, with fixed tendons as springs with dead bands between them.
     ///
     /// Source: MuJoCo XML reference, `tendon/fixed`: two values of `springlength` are a dead band; `frictionloss` of joints.
     #[must_use]
@@ -247,7 +247,7 @@ impl Joint {
         self.filled(include_str!("../../templates/joint_mujoco.xml"))
     }
 
-    /// A template with the joint's names and numbers.
+    /// Returns a template with the joint's names and numbers inserted.
     fn filled(&self, template: &str) -> String {
         let (name, step) = (&self.name, self.step_s());
         let mut damping = self.damping_n_m_s_per_rad.unwrap_or(0.0);
@@ -280,8 +280,8 @@ impl Joint {
         values.iter().fold(template.to_owned(), put)
     }
 
-    /// Writes `joint_mujoco.xml`, and, as rigid gears with Drake's tags, `joint.urdf` and `joint.sdf`: stiffness and play have no
-    /// place in these but the comment.
+    /// Writes `joint_mujoco.xml`, and, as rigid gears with Drake's tags, `joint.urdf` and `joint.sdf`, which contain stiffness
+    /// and play in a comment only.
     ///
     /// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; SDFormat 1.8, `joint/axis`; Drake, multibody/parsing,
     /// `drake:gear_ratio`, `drake:rotor_inertia`, `//model/joint/drake:gear_ratio`.
@@ -294,10 +294,10 @@ impl Joint {
     }
 }
 
-/// Twist under a share of the rated load in one direction, by [`LEVELS`], rad, and damping.
+/// Twist under shares of the rated load in one direction, by [`LEVELS`], rad, and damping.
 type OneWay = ([f64; LEVELS.len()], Option<f64>);
 
-/// Balances of one pose in one direction, from those `last` before.
+/// Solves the equilibria of one pose in one direction, starting from the previous ones `last`.
 fn one_way(
     statics: &mut Statics<'_>,
     last: &mut [Option<Equilibrium>; LEVELS.len()],
@@ -319,7 +319,7 @@ fn one_way(
 }
 
 impl Pose {
-    /// Mean of both directions.
+    /// Returns the mean of both directions.
     fn of([(ahead, a), (back, b)]: [OneWay; 2]) -> Self {
         Self {
             twist: std::array::from_fn(|level| 0.5 * (ahead[level] + back[level])),
@@ -335,10 +335,10 @@ fn mean_twists(poses: &[&Pose]) -> [f64; LEVELS.len()] {
     })
 }
 
-/// Springs in parallel through the twists at [`LEVELS`]: the steepening curve that lies nowhere above these points, so that no
-/// spring has to pull.
+/// Returns springs in parallel through the twists at [`LEVELS`]: the largest curve of rising slope that is nowhere above these
+/// points, so that no spring has to pull.
 pub fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
-    // Twist, torque and slope of the segments so far; a segment that is steeper than the next is merged with it.
+    // Twist and torque at the segments' ends so far; a segment steeper than the next is merged with it.
     let mut corners: Vec<[f64; 2]> = Vec::new();
     let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
     for (&twist, share) in twists.iter().zip(LEVELS) {
@@ -357,7 +357,7 @@ pub fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
     let mut stiffness = 0.0;
     for pair in corners.windows(2) {
         let steeper = slope(pair[0], pair[1]);
-        // The first begins where its line meets no load.
+        // The first spring engages at its line's zero.
         let before = pair[0][1] / steeper;
         let from = pair[0][0] - if found.is_empty() { before } else { 0.0 };
         found.push(Spring {
@@ -369,7 +369,7 @@ pub fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
     found
 }
 
-/// The figures of balances, of these poses.
+/// Returns the figures of the equilibria of these poses.
 fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     let twists = mean_twists(poses);
     let at = |share: f64| LEVELS.iter().position(|level| *level == share);
@@ -401,11 +401,11 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     ]
 }
 
-/// Friction of runs by least squares, and how far each part may be off.
+/// Fits the friction of runs by least squares; returns it with the uncertainty of each part.
 fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f64; 3])> {
     let speed = runs.iter().map(|run| run.input_speed_rad_s.abs());
     let speed = speed.fold(0.0, f64::max) / ratio;
-    // Shares of the rated load and speed, and the torque lost.
+    // Shares of rated load and speed, with the lost torque.
     let mut rows: Vec<([f64; 3], f64)> = Vec::new();
     for run in runs {
         let lost = run.efficiency?.of_losses.recip() - 1.0;
@@ -415,7 +415,7 @@ fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f6
     }
     let torque = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.1));
     let mut kept = vec![0, 1, 2];
-    // A part that would drive is none; the others are fitted again.
+    // Negative parts are dropped, and the others fitted again.
     while !kept.is_empty() && rows.len() > kept.len() {
         let matrix = DMatrix::from_fn(rows.len(), kept.len(), |row, k| rows[row].0[kept[k]]);
         let inverse = (matrix.transpose() * &matrix).try_inverse()?;

@@ -1,15 +1,15 @@
-//! Loads of the parts against what they may bear.
+//! Check of the parts' loads against their limits.
 //!
-//! | limit | where none is stated in `[limits]` |
+//! | limit | default without one in `[limits]` |
 //! |---|---|
 //! | pressure of contacts | hardened steel: 4000 MPa (ISO 76, roller bearings, static), and 1500 MPa for endurance (ISO 281:2007, the fatigue limit; E. V. Zaretsky, In search of a fatigue limit, TLT, August 2010); others: yield begins at 1.67 Y (K. L. Johnson, Contact Mechanics, 1985, section 6.1) |
-//! | pressure times sliding of sleeves | of the softer material, where a table has it ([`MATERIALS`](pinwheel_scene::catalogue::MATERIALS)) |
-//! | bearing of a disc | static safety 1 after ISO 76; a life only where one is stated |
+//! | pressure times sliding of sleeves | of the softer material, if tabulated ([`MATERIALS`](pinwheel_scene::catalogue::MATERIALS)) |
+//! | bearing of a disc | static safety 1 after ISO 76; a life only if stated |
 //! | bending of output pins | yield strength |
 //! | walls of a disc | shear yields at Y/sqrt(3) (von Mises) |
 //!
-//! A value counts with its numerical uncertainty and the worse end of its bands. What is not known is not judged, and then no
-//! answer is *yes*.
+//! A value is judged with its numerical uncertainty at the worse end of its bands. Without a known limit it is not judged,
+//! and then the answer is never *yes*.
 
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
@@ -28,32 +28,32 @@ use crate::balances::poses::Poses;
 use crate::balances::solve::{FEW, at_poses};
 use crate::band::{self, Bands};
 
-/// Material whose contacts are those of rolling bearings.
+/// Material with the limits of rolling bearings.
 const ROLLING: &str = "steel";
 /// Pressures of rolling bearings, MPa: static, and for endurance.
 const ROLLING_MPA: [f64; 2] = [4000.0, 1500.0];
 /// Pressure of a line contact at which yield begins, over the yield strength.
 const YIELDS: f64 = 1.67;
 
-/// One limit.
+/// Limit of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
-    /// Definition of the figure that is limited.
+    /// Definition of the limited figure.
     #[serde(flatten)]
     pub def: FigureDef,
-    /// Kind of limit where a figure has two, else empty.
+    /// Kind of limit for a figure with two, else empty.
     pub of: &'static str,
     /// Value of the figure.
     pub value: Option<f64>,
     /// Value with its uncertainty, at the worse end of its bands.
     pub worst: Option<f64>,
-    /// Largest value, or least, that is allowed.
+    /// Largest, or least, permitted value.
     pub permissible: Option<f64>,
-    /// Margin of the worst value: above 1 the limit holds; `None`: not judged.
+    /// Margin of the worst value: at least 1 within the limit; `None`: not judged.
     pub margin: Option<f64>,
-    /// Source of what is allowed; what to state where it is not known.
+    /// Source of the permitted value, or the key to state it.
     pub source: String,
-    /// True if the user stated it.
+    /// True for a limit of the user.
     pub is_stated: bool,
 }
 
@@ -61,13 +61,13 @@ pub struct Limit {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
-    /// All limits were judged, and hold.
+    /// All limits are judged and met.
     Yes,
-    /// Limits that were judged hold, others were not judged.
+    /// All judged limits are met, others are not judged.
     AsFarAsJudged,
-    /// A limit is exceeded.
+    /// At least one limit is exceeded.
     No,
-    /// Nothing is known of what the parts may bear.
+    /// No limit is known.
     #[default]
     NotJudged,
 }
@@ -75,21 +75,21 @@ pub enum Answer {
 /// All limits of a gear.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Limits {
-    /// The answer.
+    /// Answer of all limits.
     pub bears_its_load: Answer,
-    /// Least margin of what was judged.
+    /// Least margin of the judged limits.
     pub margin: Option<f64>,
     /// Every limit.
     pub each: Vec<Limit>,
 }
 
-/// Materials of discs and pins, where they are known.
+/// Returns the materials of discs and pins, if known.
 fn materials(scene: &Scene) -> [Option<&'static Material>; 2] {
     let [disc, pin] = [&scene.contact.material, &scene.contact.pin_material];
     [disc, pin.as_ref().map_or(disc, |_| pin)].map(|name| material(name.as_deref()?))
 }
 
-/// Product of pressure and sliding that sleeves of these materials bear, MPa m/s, and the material.
+/// Returns the permitted product of pressure and sliding for sleeves of these materials, MPa m/s, and the material.
 fn sliding_mpa_m_s(scene: &Scene) -> Option<(f64, String)> {
     let known = materials(scene).into_iter().flatten();
     let known = known.filter_map(|one| Some((1e-6 * one.pressure_sliding_w_m2?, one.name)));
@@ -97,7 +97,7 @@ fn sliding_mpa_m_s(scene: &Scene) -> Option<(f64, String)> {
     Some((least, format!("{name}, boundary lubrication (Mott)")))
 }
 
-/// Figures that only limits need, of what the scene says enough about.
+/// Returns figures that only limits need, if the scene has the data.
 pub(super) fn figures(balances: &Balances, scene: &Scene) -> Vec<Figure> {
     let (gear, limits) = (&scene.gear, &scene.limits);
     let length = scene.contact.line_length_m;
@@ -173,7 +173,7 @@ fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: He
     32.0 * largest / (PI * pin.powi(3))
 }
 
-/// Largest end of a figure's bands by contact laws and fits, over its value.
+/// Returns the largest end of a figure's bands by contact laws and fits, over its value.
 fn larger(figure: &Figure) -> f64 {
     let ends = [figure.by_contact_law, figure.by_fit];
     let shares = ends.into_iter().flatten();
@@ -186,7 +186,7 @@ impl Limits {
     #[must_use]
     pub fn of(scene: &Scene, figures: &[Figure]) -> Self {
         let get = |def: &FigureDef| figures.iter().find(|one| one.is(def));
-        // The figure whose bands count, the power of it to which `def` grows, the user's limit, that of a source, what to state.
+        // Figure with the bands, exponent of `def` in it, the user's limit, that of a source, and the key to state.
         let judged = |def: &FigureDef,
                       (load, power): (&FigureDef, f64),
                       stated: Option<f64>,
@@ -352,7 +352,7 @@ impl Limits {
             .find(|limit| limit.margin.is_some() && limit.margin == self.margin)
     }
 
-    /// The first limit of the user's that is exceeded.
+    /// Returns the first exceeded limit of the user.
     #[must_use]
     pub fn exceeded(&self) -> Option<&Limit> {
         let exceeded = |limit: &&Limit| limit.is_stated && limit.margin.is_some_and(|m| m < 1.0);

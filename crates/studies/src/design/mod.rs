@@ -1,5 +1,4 @@
-//! Figures that a designer asks of a gear: lost motion, stiffness, transmission error, load sharing, pressure,
-//! bearings, efficiency.
+//! Design figures of a gear: lost motion, stiffness, transmission error, load sharing, pressure, bearings, efficiency.
 //!
 //! ```text
 //!                 ┌─ balances at poses over one period of the mesh ─> stiffness, lost motion, transmission error,
@@ -7,12 +6,13 @@
 //!                 └─ runs: a slow loop of the load, speeds and torques ─> hysteresis, efficiency
 //! ```
 //!
-//! Statics computes all that it decides: the balance of the contacts at rest, exact geometry, the scene's own law. Lost
-//! motion and stiffness are computed both ways where both can, and the difference is given. Conventions:
+//! Statics gives all figures that do not need dynamics: the balance of the contacts at rest, with exact geometry and the
+//! scene's law. Lost motion is computed by statics and by a run, and their difference is stated. Conventions:
 //!
-//! * **Lost motion**: angle of the output between +3 % and -3 % of the rated torque, the input locked, arcmin.
-//! * **Torsional stiffness**: secant between 50 and 100 % of the rated torque, N m/arcmin, the input locked.
-//! * **Transmission error**: output angle less the ideal mesh's, arcmin; its harmonics in cycles per turn of the input.
+//! * **Lost motion**: angle of the output between +3 % and -3 % of the rated torque with a locked input, arcmin.
+//! * **Torsional stiffness**: secant between 50 and 100 % of the rated torque with a locked input, N m/arcmin.
+//! * **Transmission error**: output angle less that of the ideal mesh, arcmin; its harmonics in cycles per turn of the
+//!   input.
 //! * **Pressure**: of a line contact after Hertz over the face width, p0 = sqrt(F E*/(pi L R)) with E* = E/(2 (1 - nu^2))
 //!   (K. L. Johnson, Contact Mechanics, 1985, section 4.2). Edges are left out.
 //! * **Sliding**: of the disc on pins that do not turn. Sleeves that turn slide on their own pins instead.
@@ -61,10 +61,10 @@ use crate::balances::poses::Poses;
 use crate::balances::solve::{NO_LOAD, POSES, balances, is_mirrored, twist, working_load};
 use crate::balances::spread::ARCMIN;
 
-/// Points of the curve of torsion, on either side of 0.
+/// Number of points of the torsion curve, on either side of 0.
 const CURVE: usize = 20;
-/// Share by which the largest forces of two bearings differ that are sampled at other poses of the same mesh: of gears without
-/// errors 2.4e-4 at most, of four that were looked at.
+/// Relative difference within which the largest forces of two bearings count as equal. They are sampled at other poses of
+/// the same mesh: for four gears without errors they differ by 2.4e-4 at most.
 const ALIKE: f64 = 1e-2;
 /// Why a run's loop has no width.
 const FADES: &str =
@@ -73,16 +73,16 @@ const FADES: &str =
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// How the output twists against the locked input.
+/// Twist of the output against the locked input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Torsion {
-    /// Between +3 % and -3 % of the rated torque, arcmin; `None` where parts overlap.
+    /// Lost motion between +3 % and -3 % of the rated torque, arcmin; `None` if parts overlap.
     pub lost_motion_arcmin: Option<Spread>,
-    /// Lost motion at the input angle 0 alone, where the loop is run too, arcmin.
+    /// Lost motion at the input angle 0, as in the hysteresis loop, arcmin.
     pub lost_motion_at_0_arcmin: Option<f64>,
-    /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
+    /// Stiffness between 50 and 100 % of the rated torque, both directions, N m/arcmin.
     pub stiffness_n_m_per_arcmin: Spread,
-    /// The curve at the input angle 0: torque, N m.
+    /// Torques of the curve at the input angle 0, N m.
     pub torque_n_m: Vec<f64>,
     /// Twist at these torques, arcmin.
     pub twist_arcmin: Vec<f64>,
@@ -93,13 +93,13 @@ pub struct Torsion {
 pub struct Transmission {
     /// Torque on the output, N m.
     pub torque_n_m: f64,
-    /// Largest less least, arcmin.
+    /// Peak-to-peak value, arcmin.
     pub peak_to_peak_arcmin: f64,
-    /// Mean, arcmin: free play and elastic twist.
+    /// Mean value, arcmin: free play and elastic twist.
     pub mean_arcmin: f64,
-    /// Its largest harmonics, largest first.
+    /// Largest harmonics, largest first.
     pub harmonics: Vec<Harmonic>,
-    /// Course over the period's input angles, arcmin.
+    /// Values at the period's input angles, arcmin.
     pub error_arcmin: Vec<f64>,
 }
 
@@ -110,31 +110,31 @@ pub struct Operating {
     pub input_speed_rad_s: f64,
     /// Load, N m.
     pub output_torque_n_m: f64,
-    /// `None` where no work passes, or the run diverged.
+    /// Efficiency; `None` without power, or after a divergence.
     pub efficiency: Option<Efficiency>,
-    /// How far it may be off, by the run's own verification of the driver's torque.
+    /// Uncertainty by the run's verified error of the driver's torque.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
-    /// How the run ended.
+    /// Ending of the run.
     pub status: &'static str,
 }
 
-/// Everything found.
+/// Results of a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignResult {
-    /// The scene.
+    /// Scene of the design.
     #[serde(skip)]
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
-    /// Why there is no lost motion: parts overlap.
+    /// Reason for missing lost motion: parts overlap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preloaded: Option<String>,
-    /// Figures of a data sheet, each with its numerical uncertainty and its band by contact law.
+    /// Data-sheet figures, each with its numerical uncertainty and its band by contact law.
     pub figures: Vec<Figure>,
-    /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
+    /// Other contact laws and fits; `None` without any to compare.
     pub bands: Option<Bands>,
-    /// Loads of the parts against what they may bear.
+    /// Loads of the parts against their limits.
     pub limits: Limits,
     /// Quantities that follow from the dimensions.
     pub dimensions: Derived,
@@ -142,57 +142,57 @@ pub struct DesignResult {
     pub torsion: Torsion,
     /// Input angles of one period of the mesh, rad.
     pub input_angle_rad: Vec<f64>,
-    /// Transmission error under the rated load and under next to none.
+    /// Transmission error under the rated load and under nearly none.
     pub transmission: [Transmission; 2],
-    /// Parts that deflect under the rated load; empty where contacts alone do.
+    /// Parts that deflect under the rated load; empty if only contacts do.
     pub budget: Vec<Share>,
     /// Remaining compliance, as a fit to a stated stiffness ([`DesignResult::fit_rest`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
-    /// Who carries the rated load.
+    /// Sharing of the rated load.
     pub sharing: [Sharing; 2],
     /// Pressure and sliding under the rated load.
     pub pressure: [Pressure; 2],
     /// Force on the eccentric's bearing of every disc.
     pub bearings: Vec<Bearing>,
-    /// The hysteresis loop of a slow run; `None` if runs were not asked for.
+    /// Hysteresis loop of a slow run; `None` without runs.
     pub cycle: Option<Cycle>,
-    /// Efficiency over speed and torque; empty if runs were not asked for.
+    /// Efficiency over speed and torque; empty without runs.
     pub efficiency: Vec<Operating>,
-    /// The gear as one joint of a robot's model; `None` if it was not asked for.
+    /// Model of the gear as one joint of a robot; `None` if not requested.
     pub joint: Option<Joint>,
-    /// The discs as drawings.
+    /// Drawings of the discs.
     pub discs: Vec<Drawing>,
-    /// Balances of the unchanged gear that were solved before those of the bands, and those that were known.
+    /// Balances of the unchanged gear solved before those of the bands, and those known before.
     pub balances: [u64; 2],
-    /// Evaluations of all contacts that these balances took.
+    /// Evaluations of all contacts for these balances.
     pub evaluations: u64,
-    /// The gearbox in motion, for a page.
+    /// Motion of the gearbox, for a page.
     #[serde(skip)]
     pub motion: Option<Motion>,
 }
 
-/// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
+/// Computes the design of the scene of `gearbox`; `runs`: also the figures of dynamic runs.
 ///
 /// # Errors
-/// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
+/// Cancelled; no load, or more than the teeth carry; a scene that cannot be modelled.
 pub fn run(
     gearbox: &Gearbox,
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let mut found = answers(gearbox, runs, control)?;
-    // A picture needs no more than the cheapest method that follows the forces.
+    // The cheapest method that resolves the forces suffices for a picture.
     let cheap = gearbox.with_solver(|solver| AUTO.clone_into(&mut solver.integrator));
     let cheap = cheap.map_err(|source| of_scene(&gearbox.scene, source.into()))?;
     found.motion = Motion::of(&cheap, control)?;
     Ok(found)
 }
 
-/// [`run`] without the motion.
+/// Like [`run`], without the motion.
 ///
 /// # Errors
-/// As [`run`].
+/// Errors of [`run`].
 pub(crate) fn answers(
     gearbox: &Gearbox,
     runs: bool,
@@ -222,7 +222,7 @@ pub(crate) fn answers(
     Ok(found)
 }
 
-/// Figures of a design without budget, joint, bands and drawings, by a solver that remembers the balances.
+/// Computes a design without budget, joint, bands and drawings, by a solver that stores the balances.
 ///
 /// # Errors
 /// See [`run`].
@@ -362,14 +362,15 @@ fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
     figures
 }
 
-/// Stages of [`run`]: three of balances, the runs if there are any, joint and other contact laws.
+/// Returns the number of stages of [`run`]: three of balances, the runs if any, joint and other contact laws.
 fn stages(runs: bool) -> usize {
     5 + usize::from(runs) * (1 + SPEEDS.len() * TORQUES.len())
 }
 
-/// Torque, N m, and twist, arcmin, at the input angle 0.
+/// Returns torque, N m, and twist, arcmin, at the input angle 0.
 fn curve(statics: &mut Statics<'_>, working: f64) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
-    // No point at 0: with backlash the output has no place there. From the largest load on, each from the one before.
+    // No point at 0: backlash leaves the output undetermined there. From the largest load down, each from the previous
+    // balance.
     let up = std::iter::once(LOST).chain((1..=CURVE).map(|k| k as f64 / CURVE as f64));
     let shares: Vec<f64> = up.collect();
     let is_mirrored = is_mirrored(statics.gearbox());
@@ -395,7 +396,7 @@ fn curve(statics: &mut Statics<'_>, working: f64) -> Result<(Vec<f64>, Vec<f64>)
     Ok((torques.collect(), twists.collect()))
 }
 
-/// A run at a share of the rated speed under the load `torque`, as many turns as the scene's own.
+/// Runs a share of the rated speed under the load `torque`, for as many turns as the scene.
 fn operating(
     gearbox: &Gearbox,
     speed: f64,
@@ -428,16 +429,17 @@ fn operating(
 }
 
 impl DesignResult {
-    /// Fits what the scene does not have to a stiffness that is stated, N m/arcmin.
+    /// Fits the remaining compliance to a stated stiffness, N m/arcmin.
     ///
     /// # Errors
-    /// There is nothing to fit.
+    /// A stiffness that leaves nothing to fit.
     pub fn fit_rest(&mut self, stated_n_m_per_arcmin: f64) -> Result<(), StudyError> {
         self.rest = Some(Rest::of(self, stated_n_m_per_arcmin)?);
         Ok(())
     }
 
-    /// Makes the design of another gear, with the rest fitted to this one; `None` if it differs in a bit from this one.
+    /// Repeats the design for another gear, with the compliance fitted to this one; `None` if any bit of the results
+    /// differs.
     pub(crate) fn repeated(
         &self,
         gearbox: &Gearbox,
@@ -446,7 +448,7 @@ impl DesignResult {
         let own = self.clone();
         let rest = self.rest;
         let of_scene = |source| of_scene(&gearbox.scene, source);
-        // Most settings move the statics, a fraction of the cost.
+        // Most settings change the statics, which take a fraction of the time.
         let statics = Self {
             scene: own.scene,
             figures: own.figures,
@@ -471,7 +473,7 @@ impl DesignResult {
             return Ok(None);
         }
         let mut made = run(gearbox, self.cycle.is_some(), control)?;
-        // It names the scene and is judged by its picture.
+        // The motion names the scene and is excluded from the comparison.
         let motion = std::mem::replace(&mut made.motion, statics.motion);
         let found = Self {
             scene: statics.scene,
@@ -481,7 +483,7 @@ impl DesignResult {
         Ok((found == *self).then_some(Self { motion, ..found }))
     }
 
-    /// The eccentric bearing with the largest force; the first of discs that carry alike.
+    /// Returns the eccentric bearing with the largest force; the first of equally loaded discs.
     #[must_use]
     pub fn most_loaded(&self) -> Option<&Bearing> {
         let more = |a: &Bearing, b: &Bearing| b.force_n.max > a.force_n.max * (1.0 + ALIKE);
@@ -494,8 +496,8 @@ impl DesignResult {
         })
     }
 
-    /// Parts that deflect, and their shares of the whole compliance; with a fitted rest, of the whole with it. Empty
-    /// where contacts alone do.
+    /// Returns the parts that deflect with their shares of the total compliance, which includes a fitted rest. Empty if
+    /// only contacts deflect.
     #[must_use]
     pub fn shares(&self) -> Vec<(&'static str, f64)> {
         let own = self.budget.iter().map(|part| (part.part, part.share));
@@ -514,7 +516,7 @@ impl DesignResult {
         shares
     }
 
-    /// Writes `summary.json`, `torsion.csv`, `period.csv`, of runs `hysteresis.csv`, and the joint into the folder `dir`.
+    /// Writes `summary.json`, `torsion.csv`, `period.csv`, with runs `hysteresis.csv`, and the joint into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.

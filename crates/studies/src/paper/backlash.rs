@@ -1,4 +1,4 @@
-//! Figs. 11 to 13: backlash, and the pin forces it makes.
+//! Figs. 11 to 13: backlash, and its effect on pin forces.
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
@@ -10,7 +10,7 @@ use super::runs::{Cases, Model, Runs};
 use crate::StudyError;
 use crate::control::of_scene;
 
-/// The smallest turn of a disc from its ideal mesh to the first touch, rad, found on the curve itself.
+/// Returns the smallest rotation of a disc from its ideal mesh to the first touch, rad, solved on the curve.
 pub fn turn_to_touch(scene: &Scene) -> Result<f64, StudyError> {
     let gear = &scene.gear;
     let geometry = Geometry::new(scene).map_err(|source| of_scene(scene, source))?;
@@ -23,7 +23,7 @@ pub fn turn_to_touch(scene: &Scene) -> Result<f64, StudyError> {
         let gaps = sleeves.map(|sleeve| geometry.curve.closest(sleeve).distance);
         gaps.fold(f64::INFINITY, f64::min)
     };
-    // The gap falls steadily from d, and the closed form is its tangent: three times as far is well inside.
+    // The gap falls steadily from d, and the closed form is its tangent: at three times that angle the pin is well inside.
     let (mut low, mut high) = (0.0, 3.0 * free_play(gear));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

@@ -11,13 +11,13 @@ use super::read::{STEADY, largest, mean, range, roughness};
 use super::runs::{BACKLASHES, Cases, Model, Runs, backlash};
 use crate::StudyError;
 
-/// Distance of samples, s: sixteen in a swing of a disc on its contacts (1.2 kHz).
+/// Spacing of samples, s: sixteen per oscillation of a disc on its contacts (1.2 kHz).
 const SAMPLE: f64 = 5e-5;
-/// Where the paper's contact begins, s (it speaks of 0.24 to 0.246 s).
+/// Start of the paper's contact, s (the text mentions 0.24 to 0.246 s).
 const BEGINS: f64 = 0.24;
-/// The beginning of a contact, s: as long as the paper's.
+/// Length of a contact's onset, s, as in the paper.
 const ONSET: f64 = 0.006;
-/// Samples to both sides of the running mean: 0.5 ms.
+/// Samples on both sides of the running mean: 0.5 ms.
 const HALF: usize = 10;
 
 const PENETRATION: &str = "wheel_0_external_penetration_m";
@@ -25,7 +25,7 @@ const STIFFNESS: &str = "wheel_0_external_stiffness_n_m15";
 const NORMAL: &str = "wheel_0_external_normal_velocity_m_s";
 const TANGENTIAL: &str = "wheel_0_external_tangential_velocity_m_s";
 
-/// One contact of a run: the pin and the samples in which it touches.
+/// Contact of a run: the pin and its touching samples.
 #[derive(Debug, Clone)]
 struct Contact<'a> {
     time_series: &'a TimeSeries,
@@ -40,7 +40,7 @@ impl Contact<'_> {
         values.unwrap_or(&[])
     }
 
-    /// A course on the samples of `shown`, not a number where the contact is not.
+    /// Returns a signal on the samples of `shown`, NaN outside the contact.
     fn spread(&self, name: &str, shown: &Range<usize>) -> Vec<f64> {
         let values = self.course(name);
         let at = |k: usize| values.get(k.checked_sub(self.samples.start)?).copied();
@@ -48,25 +48,25 @@ impl Contact<'_> {
         shown.map(|k| at(k).unwrap_or(f64::NAN)).collect()
     }
 
-    /// Begin and end, s.
+    /// Returns start and end, s.
     fn times(&self) -> [f64; 2] {
         let Range { start, end } = self.samples;
         [start, end].map(|row| self.time_series.time_s()[row])
     }
 }
 
-/// Channels of disc 0 and all ring pins.
+/// Requests the channels of disc 0 and all ring pins.
 fn traced(scene: &mut Scene) {
     scene.solver.sample_s = SAMPLE;
     let names = [PENETRATION, STIFFNESS, NORMAL, TANGENTIAL];
     scene.output.channels = names.map(|name| format!("{name}_*")).to_vec();
 }
 
-/// All contacts of disc 0 that begin after `from` and have ended in the run. Gaps of a few samples, a pin
-/// bouncing at its start, do not end a contact.
+/// Returns the contacts of disc 0 that begin after `from` and end within the run. Gaps of a few samples, from a pin bouncing at
+/// its start, do not end a contact.
 fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact<'_>> {
     let start = time_series.time_s().partition_point(|t| *t < from);
-    // From one touch to the next: 2 ms, and a sample at either end.
+    // Gap between touches of one contact: 2 ms, and a sample at either end.
     let bridged = 42;
     let mut found = Vec::new();
     for (sleeve, depth) in time_series.group(PENETRATION).into_iter().enumerate() {
@@ -86,7 +86,7 @@ fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact<'_>> {
     found
 }
 
-/// [`contacts`] without touches of a sample or two: those more than half as long as the longest.
+/// Returns the [`contacts`] without touches of a sample or two: those more than half as long as the longest.
 fn lasting(time_series: &TimeSeries, from: f64) -> impl Iterator<Item = Contact<'_>> {
     let all = contacts(time_series, from);
     let longest = all.iter().map(|c| c.samples.len()).max().unwrap_or(0);
@@ -94,14 +94,14 @@ fn lasting(time_series: &TimeSeries, from: f64) -> impl Iterator<Item = Contact<
         .filter(move |c| 2 * c.samples.len() > longest)
 }
 
-/// Mean duration of the steady contacts, s.
+/// Returns the mean duration of the steady contacts, s.
 fn duration(time_series: &TimeSeries) -> f64 {
     let all = lasting(time_series, STEADY.0 - 0.1);
     let all = all.map(|c| c.samples.len() as f64 * SAMPLE);
     mean(&all.collect::<Vec<_>>())
 }
 
-/// Largest approach in the first half millisecond of the steady contacts, m/s.
+/// Returns the largest approach speed in the first half millisecond of the steady contacts, m/s.
 fn onset(time_series: &TimeSeries) -> f64 {
     let all = contacts(time_series, STEADY.0).into_iter();
     let all = all.filter(|c| c.samples.len() > 200);
@@ -109,22 +109,22 @@ fn onset(time_series: &TimeSeries) -> f64 {
     all.map(begin).fold(0.0, f64::max)
 }
 
-/// Swing of the normal velocity (largest less smallest of it less its running mean) at the beginning of a contact and later.
+/// Returns the range of the normal velocity less its running mean, at the start of a contact and later.
 fn swings(normal: &[f64]) -> [f64; 2] {
     let first = ((ONSET / SAMPLE) as usize).min(normal.len());
     let (onset, later) = normal.split_at(first);
     [onset, later].map(|part| roughness(part, HALF))
 }
 
-/// One contact in several runs.
+/// Corresponding contact in several runs.
 struct Touches<'a> {
     cases: &'a Cases,
-    /// One a run.
+    /// Contact in each run.
     list: Vec<Contact<'a>>,
 }
 
 impl<'a> Touches<'a> {
-    /// Touches of the contact of disc 0 that is nearest to the paper's in the first of the runs.
+    /// Returns the contacts of disc 0 with the pin whose contact in the first run is nearest to the paper's.
     fn find(cases: &'a Cases) -> Result<Self, StudyError> {
         let mut list: Vec<Contact<'_>> = Vec::new();
         for (.., run) in &cases.0 {
@@ -141,7 +141,7 @@ impl<'a> Touches<'a> {
         Ok(Self { cases, list })
     }
 
-    /// A channel of all, over the samples in which any of them touches.
+    /// Returns a channel of all runs, over the samples in which any of them touches.
     fn plot(&self, key: &str, name: &str) -> Drawn {
         let starts = self.list.iter().map(|touch| touch.samples.start);
         let ends = self.list.iter().map(|touch| touch.samples.end);
@@ -153,7 +153,7 @@ impl<'a> Touches<'a> {
         (key.to_owned(), x, curves)
     }
 
-    /// Numbers and plots of a figure.
+    /// Returns numbers and plots of a figure.
     fn figure(&self, id: &'static str, numbers: Vec<Figure>, plots: Vec<Drawn>) -> Measured {
         Measured {
             words: vec![("pin", self.list[0].sleeve.to_string())],
@@ -161,7 +161,7 @@ impl<'a> Touches<'a> {
         }
     }
 
-    /// Where both touch, how far the last run's course lies from the first's, of the first's range.
+    /// Returns the difference between the last run's signal and the first's where both touch, relative to the first's range.
     fn apart(&self, name: &str) -> f64 {
         let [a, b] = [0, self.list.len() - 1].map(|k| &self.list[k]);
         let both = a.samples.start.max(b.samples.start)..a.samples.end.min(b.samples.end);

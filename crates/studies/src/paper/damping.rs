@@ -7,11 +7,11 @@ use super::read::{EXTERNAL, INPUT, INTERNAL, OUTPUT, STEADY, mean, part};
 use super::runs::{Model, Runs};
 use crate::StudyError;
 
-/// Dampings drawn, N s/m, as numbers name them: the paper's 8 and lower ones, which it does not name.
+/// Dampings in the plots, N s/m, with their names in numbers: the paper's 8 and lower ones, which it does not name.
 const DAMPINGS: [(&str, f64); 4] = [("c_0.5", 0.5), ("c_2", 2.0), ("c_4", 4.0), ("c_8", 8.0)];
-/// Shown from where the first swings are over, s.
+/// Window of the plots, after the first oscillations, s.
 const SHOWN: (f64, f64) = (0.1, 0.6);
-/// The paper's damping and those tried above it, N s/m.
+/// The paper's damping and higher ones, N s/m.
 const ABOVE: [f64; 4] = [8.0, 16.0, 64.0, 512.0];
 
 pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
@@ -32,7 +32,8 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     ])
 }
 
-/// By the method and step of the paper: as ours, with its 600 points, with its law as printed, which may pull, and with both.
+/// Runs by the paper's method and step: with Pinwheel's model, with 600 points, with the law as printed, which may pull, and
+/// with both.
 pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let mut found = Measured::new("damping-above-8", Vec::new(), Vec::new());
     let mut curves = Vec::new();
@@ -62,7 +63,7 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         for (damping, value) in ABOVE.into_iter().zip(&means).skip(1) {
             let name = format!("mean_torque{name}_c_{damping}");
             found.numbers.push(number(name, *value, "N m"));
-            // Not a number: the run diverged.
+            // NaN: the run diverged.
             let off = (value / means[0] - 1.0).abs();
             furthest = furthest.max(if off.is_nan() { f64::INFINITY } else { off });
             ended += i32::from(!off.is_nan());

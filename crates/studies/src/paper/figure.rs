@@ -1,4 +1,4 @@
-//! Figures and claims of the paper as data: the paper's statement, our curves and numbers, the verdict.
+//! Figures and claims of the paper as data: the paper's statement, Pinwheel's curves and numbers, the verdict.
 
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::{Deserialize, Serialize};
@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
-    /// Our figures confirm the statement.
+    /// Statement confirmed by Pinwheel's figures.
     Holds,
-    /// True under a condition the paper does not make; the remark names it.
+    /// Statement that is true under a condition missing in the paper, which the remark states.
     Conditional,
-    /// Our figures contradict the statement.
+    /// Statement contradicted by Pinwheel's figures.
     DoesNotHold,
-    /// The claim has no meaning that could be computed.
+    /// Claim without a computable meaning.
     Meaningless,
 }
 
@@ -33,59 +33,59 @@ impl ClaimVerdict {
 /// Claim of the paper.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Claim {
-    /// Key.
+    /// Key of the claim.
     pub id: String,
     /// Statement of the paper.
     pub claim: String,
     /// Figure or page of the paper.
     pub place: String,
-    /// Computation that judges it.
+    /// Computation for the verdict.
     pub judged_by: String,
     /// Reason for the verdict.
     pub remark: String,
 }
 
-/// A claim with our figure.
+/// Claim with Pinwheel's figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JudgedClaim {
-    /// The claim.
+    /// Claim of the paper.
     pub claim: Claim,
-    /// Our figure, in words with units.
+    /// Pinwheel's figure, in words with units.
     pub figure: String,
-    /// The numbers in that figure, in its order.
+    /// Numbers in that figure, in order.
     pub numbers: Vec<f64>,
-    /// The verdict.
+    /// Verdict on the claim.
     pub verdict: ClaimVerdict,
 }
 
-/// Figure of the paper computed again.
+/// Figure of the paper, recomputed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaperFigure {
-    /// Key, such as `fig-07`; a word where the paper has no such figure.
+    /// Key, such as `fig-07`; a word if the paper has no such figure.
     pub id: String,
-    /// `Fig. 7`, or a word.
+    /// Name such as `Fig. 7`, or a word.
     pub name: String,
     /// Title of the drawing.
     pub title: String,
-    /// Statement of the paper about the figure.
+    /// Statement of the paper on the figure.
     pub says: String,
-    /// Statement of our runs, with the numbers.
+    /// Statement on Pinwheel's runs, with the numbers.
     pub found: String,
     /// Cause of the difference, or the condition of the verdict.
     pub why: String,
-    /// The numbers of `found`, for programs.
+    /// Numbers of `found`, for programs.
     pub numbers: Vec<Figure>,
-    /// Verdict on whether ours show what the paper says.
+    /// Verdict on the agreement with the paper's statement.
     pub verdict: ClaimVerdict,
-    /// The curves.
+    /// Curves of the figure.
     pub plots: Vec<Plot>,
 }
 
-/// Curves on one pair of axes, the paper's.
+/// Curves on one pair of the paper's axes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Plot {
-    /// `fig-07a`: name of its data file.
+    /// Name of its data file, such as `fig-07a`.
     pub key: String,
     /// Heading.
     pub title: String,
@@ -98,27 +98,27 @@ pub struct Plot {
     /// Horizontal values.
     #[serde(skip)]
     pub x: Vec<f64>,
-    /// Curves over `x`; not a number where a curve has no value.
+    /// Curves over `x`; NaN where a curve has no value.
     #[serde(skip_deserializing)]
     pub curves: Vec<Curve>,
-    /// Note on what to look at.
+    /// Note for the reader of the plot.
     pub note: String,
 }
 
-/// One curve.
+/// Curve of a plot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curve {
     /// Name in the legend.
     pub label: String,
-    /// Drawn as single points instead of a line.
+    /// True for single points instead of a line.
     pub points: bool,
-    /// Values, as many as its plot has abscissae.
+    /// Values, one for each of the plot's abscissae.
     #[serde(skip)]
     pub y: Vec<f64>,
 }
 
 impl Curve {
-    /// A line.
+    /// Makes a line.
     pub(super) fn line(label: impl Into<String>, y: impl Into<Vec<f64>>) -> Self {
         Self {
             label: label.into(),
@@ -127,7 +127,7 @@ impl Curve {
         }
     }
 
-    /// Single points.
+    /// Makes single points.
     pub(super) fn points(label: impl Into<String>, y: impl Into<Vec<f64>>) -> Self {
         Self {
             points: true,
@@ -136,19 +136,19 @@ impl Curve {
     }
 }
 
-/// Numbers and curves of a figure, without the statements about it.
+/// Numbers and curves of a figure, without its statements.
 #[derive(Debug, Default)]
 pub struct Measured {
     /// Key of the figure.
     pub(super) id: &'static str,
-    /// Numbers by their names.
+    /// Numbers, by name.
     pub numbers: Vec<Figure>,
-    /// Words of the sentences that are no numbers.
+    /// Words for the sentences, other than numbers.
     pub words: Vec<(&'static str, String)>,
     pub(super) plots: Vec<Drawn>,
 }
 
-/// Key of a plot, its horizontal values, and its curves over them.
+/// Key of a plot, its horizontal values, and its curves.
 pub(super) type Drawn = (String, Vec<f64>, Vec<Curve>);
 
 impl Measured {
@@ -162,14 +162,14 @@ impl Measured {
         }
     }
 
-    /// Returns a number by its name; NaN without one.
+    /// Returns a number by its name; NaN if missing.
     pub(super) fn number(&self, name: &str) -> f64 {
         let found = self.numbers.iter().find(|number| number.def.key == name);
         found.and_then(|number| number.value).unwrap_or(f64::NAN)
     }
 }
 
-/// Returns a number with its name in `snake_case`; the unit is empty for ratios.
+/// Makes a number with its name in `snake_case`; the unit is empty for ratios.
 pub fn number(name: impl Into<String>, value: f64, unit: &'static str) -> Figure {
     let name = name.into();
     let label = name.replace('_', " ");

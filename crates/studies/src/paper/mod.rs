@@ -1,4 +1,4 @@
-//! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
+//! Reproduction of the paper, figure by figure: Pinwheel's curves in its axes, its statements, and the verdicts.
 
 pub(crate) mod backlash;
 mod contact;
@@ -31,20 +31,20 @@ use figure::{Measured, number};
 use runs::{Model, Runs};
 use statements::Statements;
 
-/// The whole study.
+/// Result of the study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaperResult {
-    /// Figures in the paper's order, then what it has no figure for.
+    /// Figures in the paper's order, then results without a figure in the paper.
     pub figures: Vec<PaperFigure>,
-    /// Its claims, each judged by the numbers of a figure that is among them.
+    /// Claims of the paper, each judged by the numbers of one of the figures.
     pub claims: Vec<JudgedClaim>,
     /// Costs of the runs.
     pub costs: Vec<Cost>,
-    /// Distinct runs behind the figures.
+    /// Number of distinct runs behind the figures.
     pub runs: usize,
-    /// Wall time of the whole study, s.
+    /// Wall time of the study, s.
     pub wall_s: f64,
-    /// The gearbox without and with backlash, over the input turn that most figures draw, for a page.
+    /// Motion of the gearbox without and with backlash, over the input turn of most figures, for a page.
     #[serde(skip)]
     pub motion: Vec<Motion>,
 }
@@ -52,18 +52,18 @@ pub struct PaperResult {
 /// Cost of 0.6 s of the gearbox.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
-    /// Which analysis.
+    /// Name of the analysis.
     pub what: String,
-    /// The paper's time, s; `None`: it has none.
+    /// The paper's time, s; `None` if not stated.
     pub paper_s: Option<f64>,
-    /// Ours, wall, s.
+    /// Pinwheel's wall time, s.
     pub ours_s: f64,
 }
 
-/// A figure by its name, as `9`, `09` or `fig-9`.
+/// Returns the name of a figure given as `9`, `09` or `fig-9`.
 ///
 /// # Errors
-/// Returns the names that there are.
+/// List of the available names.
 pub fn named(word: &str) -> Result<String, String> {
     let word = word.trim();
     let name = word.trim_start_matches("fig-").trim_start_matches('0');
@@ -78,9 +78,9 @@ pub fn named(word: &str) -> Result<String, String> {
 /// Choices of figures and engines.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Names that [`named`] gives; none: all.
+    /// Names from [`named`]; empty for all.
     pub figures: Vec<String>,
-    /// Run that stands in Adams' place in Fig. 10.
+    /// Run in place of Adams in Fig. 10.
     pub peer: Option<Peer>,
 }
 
@@ -100,7 +100,7 @@ fn motion(control: &Control<'_>) -> Result<Vec<Motion>, Cancelled> {
 
 type Make = fn(&Runs<'_>) -> Result<Vec<Measured>, StudyError>;
 
-/// The figures in groups that share their runs, in the paper's order.
+/// Figures in groups that share their runs, in the paper's order.
 const GROUPS: [(&[&str], &str, Make); 9] = [
     (&["5", "6"], "Figs. 5 and 6", contact::one_contact),
     (&["7", "8"], "Figs. 7 and 8", damping::figures),
@@ -113,10 +113,10 @@ const GROUPS: [(&[&str], &str, Make); 9] = [
     (&["damping"], "dampings above 8 N s/m", damping::above),
 ];
 
-/// Computes the figures and judges the claims that rest on them.
+/// Computes the figures and judges the claims based on them.
 ///
 /// # Errors
-/// Cancelled, or a run failed that had to end.
+/// Cancelled, or a required run failed.
 pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, StudyError> {
     let start = Instant::now();
     let said = Statements::read().map_err(|error| StudyError::Reference {
@@ -150,7 +150,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
         let made = made.filter(|(_, name)| wanted(name));
         Ok(made.map(|(found, _)| found).collect())
     };
-    // No time is measured any more.
+    // Timed runs are complete, so all threads may be used.
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let (drawn, fault) = pool::map(threads, groups.len(), || (), draw);
     if let Some(fault) = fault {
@@ -176,7 +176,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     })
 }
 
-/// The paper's runs in its own method, and ours; and what they take as numbers of a claim.
+/// Runs the paper's analyses by its own method and by Pinwheel's, and returns their costs, also as numbers for a claim.
 fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     let mut costs = Vec::new();
     let mut found = Measured::new("cost", Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Fig. 10: another engine in Adams' place, and what could make spikes.
+//! Fig. 10: another engine in place of Adams, and possible causes of spikes.
 
 use pinwheel_engines::{Engine, SharedModel, by_name, known, recorded};
 use pinwheel_gearbox::Gearbox;
@@ -13,13 +13,13 @@ use crate::StudyError;
 use crate::choice::find_or_recorded;
 use crate::control::{Control, Progress, compile};
 
-/// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
-/// `None` if there is none at all.
+/// Returns the named engine, live or else recorded; without a name the first preferred one that is recorded or in this build.
+/// `None` if there is none.
 ///
-/// Recordings go first where none is named: the Python engines take minutes for what this page shows of them.
+/// Without a name recordings take precedence, because the Python engines take minutes for this page.
 ///
 /// # Errors
-/// Cancelled; an engine that there is not, that has no contacts of its own, or that does not finish.
+/// Cancelled; an engine that is unknown, has no contacts of its own, or does not finish.
 pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, StudyError> {
     let scene = Scene::load("paper", &[])?;
     let gearbox = compile(&scene)?;
@@ -71,8 +71,8 @@ fn run(
     })
 }
 
-/// A course's largest value over the level that 1 % of its loaded samples exceed: near 1 for a smooth course,
-/// 2 or more with spikes.
+/// Returns a signal's largest value over the level that 1 % of its loaded samples exceed: near 1 for a smooth signal, 2 or more
+/// with spikes.
 fn spikes(values: &[f64]) -> f64 {
     let mut loaded: Vec<f64> = values.iter().copied().filter(|f| *f > 1.0).collect();
     loaded.sort_by(f64::total_cmp);
@@ -80,7 +80,7 @@ fn spikes(values: &[f64]) -> f64 {
     largest(&loaded) / level.map_or(f64::MIN_POSITIVE, |level| *level)
 }
 
-/// A course at the times `x`; not a number where it has no sample (recordings are thinned).
+/// Returns a signal at the times `x`, NaN without a sample (recordings are thinned).
 fn on_grid(time_series: &TimeSeries, name: &str, x: &[f64]) -> Vec<f64> {
     let values = part(time_series, name, (0.0, f64::MAX));
     let at = |row: Option<usize>| row.and_then(|row| values.get(row)).copied();
@@ -89,7 +89,7 @@ fn on_grid(time_series: &TimeSeries, name: &str, x: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Possible causes of Adams' spikes, each switched on in our own solver: name, Adams' IMPACT with so many times the stiffness, and
+/// Possible causes of Adams' spikes, each reproduced in the native solver: name, factor on the stiffness of Adams' IMPACT, and
 /// vertices of a faceted disc.
 const SUSPECTS: [(&str, Option<f64>, Option<usize>); 5] = [
     (

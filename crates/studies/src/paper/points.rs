@@ -5,7 +5,7 @@ use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, off, part, roughness};
 use super::runs::{Model, Runs};
 use crate::StudyError;
 
-/// Samples (0.1 ms each) to both sides of the running mean: slower than contact, faster than a pin's load cycle.
+/// Samples (0.1 ms each) on both sides of the running mean: slower than contact, faster than a pin's load cycle.
 const HALF: usize = 10;
 
 pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
@@ -22,7 +22,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         cases.plot("fig-09a", INTERNAL, DRAWN),
         cases.plot("fig-09b", EXTERNAL, DRAWN),
     ];
-    // The other two against it.
+    // Reference for the other two.
     let exact = cases.0.split_off(2);
     let errors = |what: &str, group: &str| {
         let exact = all(&exact[0].2.time_series, group, STEADY);

@@ -3,7 +3,7 @@
 pub(super) use pinwheel_timeseries::norms::{mean, range};
 use pinwheel_timeseries::{TimeSeries, columns, norms};
 
-/// The contract's columns.
+/// Columns of the contract.
 pub(super) const INPUT: &str = columns::INPUT_TORQUE;
 pub(super) const OUTPUT: &str = columns::OUTPUT_TORQUE;
 pub(super) const EXTERNAL: &str = columns::EXTERNAL_FORCE;
@@ -11,9 +11,9 @@ pub(super) const INTERNAL: &str = columns::INTERNAL_FORCE;
 
 /// Window after the start-up transient, s.
 pub(super) const STEADY: (f64, f64) = (0.3, 0.6);
-/// One input turn, which the single figures draw, s. The paper speaks of 0.24 to 0.28 s.
+/// One input turn, the window of the single figures, s. The paper mentions 0.24 to 0.28 s.
 pub(super) const DRAWN: (f64, f64) = (0.24, 0.36);
-/// Window of the start-up transient after its first swings, s.
+/// Window of the start-up transient after its first oscillations, s.
 pub(super) const DYING: (f64, f64) = (0.06, 0.15);
 
 /// Returns the values of one channel, or of the first of a group, within a window; none without such a channel.
@@ -53,7 +53,8 @@ pub fn off(a: &[f64], b: &[f64]) -> f64 {
     norms::relative_l2(&a.into(), &b.into(), 0.0)
 }
 
-/// Returns the RMS of a time series less its running mean over `half` samples to both sides, its oscillation above that frequency.
+/// Returns the RMS of a time series less its running mean over `half` samples on both sides, i.e. of its oscillation above that
+/// frequency.
 pub fn roughness(values: &[f64], half: usize) -> f64 {
     let mut sum = 0.0;
     for (k, value) in values.iter().enumerate() {

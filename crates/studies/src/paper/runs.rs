@@ -1,4 +1,4 @@
-//! The runs behind the figures: each scene once, however many figures draw it.
+//! Runs behind the figures; figures share the runs of a scene.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -14,22 +14,22 @@ use crate::StudyError;
 use crate::control::{Control, complete};
 use crate::pool::lock;
 
-/// Backlashes drawn, m, as numbers name them. Of those in the paper's figures only the largest is named.
+/// Backlashes in the plots, m, with their names in numbers. The paper names only the largest of its figures'.
 pub(super) const BACKLASHES: [(&str, f64); 3] = [("0", 0.0), ("0.3_mm", 3e-4), ("0.6_mm", 6e-4)];
 
-/// How contacts are found and the equations solved.
+/// Model of contact detection and integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Model {
-    /// Ours, converged: the exact profile, Runge-Kutta 4.
+    /// Pinwheel's converged model: exact profile, Runge-Kutta 4.
     Ours,
-    /// The paper's: so many points on a disc (and 20 or 100 on a hole), Heun.
+    /// The paper's model: a number of points on a disc (and 20 or 100 on a hole), Heun.
     Points(usize),
 }
 
 impl Model {
-    /// The paper's rough analyses.
+    /// Model of the paper's rough analyses.
     pub(super) const ROUGH: Self = Self::Points(600);
-    /// The paper's refined analyses.
+    /// Model of the paper's refined analyses.
     pub(super) const FINE: Self = Self::Points(4000);
 
     pub(super) fn words(self) -> String {
@@ -39,7 +39,7 @@ impl Model {
         }
     }
 
-    /// The paper's scene with this model.
+    /// Returns the paper's scene with this model.
     fn scene(self) -> Scene {
         let mut scene = Scene::paper();
         match self {
@@ -47,7 +47,7 @@ impl Model {
             Self::Points(count) => {
                 scene.contact.detection = Detection::Points;
                 scene.contact.wheel_points = count;
-                // The paper's rough and refined analyses.
+                // Hole points of the paper's rough and refined analyses.
                 scene.contact.hole_points = if count < 4000 { 20 } else { 100 };
             }
         }
@@ -60,32 +60,32 @@ impl Model {
 pub struct Peer {
     /// Name, with its version.
     pub name: String,
-    /// Computed now, or recorded earlier.
+    /// True if computed now, false if recorded earlier.
     pub live: bool,
     /// Differences from the native solver.
     pub differences: String,
-    /// Why no nearer relative of Adams was taken, if so.
+    /// Reason why no closer substitute for Adams was used, if any.
     pub note: String,
-    /// Its time series.
+    /// Time series of the run.
     pub time_series: TimeSeries,
     /// Wall time, s, if known.
     pub wall_s: Option<f64>,
 }
 
-/// Time series with what they cost.
+/// Time series with their cost.
 #[derive(Debug)]
 pub(super) struct Run {
     pub(super) time_series: TimeSeries,
     pub(super) wall_s: f64,
 }
 
-/// A run, once it has ended.
+/// Result of a run, once complete.
 type Slot = Arc<Mutex<Option<Arc<Run>>>>;
 
 /// All runs so far.
 pub(super) struct Runs<'a> {
     control: Control<'a>,
-    /// Run that stands in Adams' place.
+    /// Run in place of Adams.
     pub(super) peer: Option<&'a Peer>,
     known: Mutex<HashMap<String, Slot>>,
 }
@@ -99,7 +99,7 @@ impl<'a> Runs<'a> {
         }
     }
 
-    /// The paper's scene with `model` and one change, run to its end.
+    /// Returns the completed run of the paper's scene with `model` and one change.
     pub(super) fn get(
         &self,
         model: Model,
@@ -109,7 +109,7 @@ impl<'a> Runs<'a> {
         change(&mut scene);
         let key = scene.to_toml();
         let slot = Arc::clone(lock(&self.known).entry(key).or_default());
-        // Whoever draws the same run waits for it.
+        // Threads that need the same run wait for it.
         let mut slot = lock(&slot);
         if let Some(run) = &*slot {
             return Ok(Arc::clone(run));
@@ -124,7 +124,7 @@ impl<'a> Runs<'a> {
         Ok(run)
     }
 
-    /// One run for each value of what `change` sets, named for numbers; `label` names its curve.
+    /// Returns one run for each value set by `change`, named for numbers; `label` names its curve.
     pub(super) fn cases(
         &self,
         model: Model,
@@ -139,12 +139,12 @@ impl<'a> Runs<'a> {
         values.iter().map(run).collect::<Result<_, _>>().map(Cases)
     }
 
-    /// One run for each of [`BACKLASHES`].
+    /// Returns one run for each of [`BACKLASHES`].
     pub(super) fn backlashes(&self, model: Model) -> Result<Cases, StudyError> {
         self.cases(model, &BACKLASHES, backlash, |s, d| s.gear.backlash_m = d)
     }
 
-    /// One run for each model, named for numbers.
+    /// Returns one run for each model, named for numbers.
     pub(super) fn models<const N: usize>(
         &self,
         models: [(&'static str, Model); N],
@@ -155,23 +155,23 @@ impl<'a> Runs<'a> {
         each.into_iter().collect::<Result<_, _>>().map(Cases)
     }
 
-    /// How many there are.
+    /// Returns the number of runs.
     pub(super) fn count(&self) -> usize {
         let slots = lock(&self.known);
         slots.values().filter(|slot| lock(slot).is_some()).count()
     }
 }
 
-/// `d = 0.3 mm`.
+/// Returns a label such as `d = 0.3 mm`.
 pub(super) fn backlash(backlash_m: f64) -> String {
     format!("d = {} mm", (backlash_m * 1e6).round() / 1e3)
 }
 
-/// Runs that one plot shows, each with its name in numbers and that of its curve; all on the same sample times.
+/// Runs of one plot, each with its name in numbers and the label of its curve, all on equal sample times.
 pub(super) struct Cases(pub(super) Vec<(&'static str, String, Arc<Run>)>);
 
 impl Cases {
-    /// A figure of every run.
+    /// Evaluates a figure of every run.
     pub(super) fn each(&self, of: impl Fn(&TimeSeries) -> f64) -> Vec<f64> {
         self.0
             .iter()
@@ -179,7 +179,7 @@ impl Cases {
             .collect()
     }
 
-    /// A number of every run: `what_name`.
+    /// Returns a number of every run, named `what_name`.
     pub(super) fn numbers(
         &self,
         what: &str,
@@ -191,17 +191,17 @@ impl Cases {
         named.collect()
     }
 
-    /// Largest less smallest of a torque within a window.
+    /// Returns the range of a torque within a window.
     pub(super) fn ranges(&self, what: &str, channel: &str, window: (f64, f64)) -> Vec<Figure> {
         self.numbers(what, "N m", |run| range(part(run, channel, window)))
     }
 
-    /// Largest of a group of forces within a window.
+    /// Returns the largest force of a group within a window.
     pub(super) fn peaks(&self, what: &str, group: &str, window: (f64, f64)) -> Vec<Figure> {
         self.numbers(what, "N", |run| peak(run, group, window))
     }
 
-    /// A channel of every run, or the first of a group, within a window.
+    /// Plots a channel of every run, or the first of a group, within a window.
     pub(super) fn plot(&self, key: &str, channel: &str, window: (f64, f64)) -> Drawn {
         let x = self
             .0

@@ -1,7 +1,7 @@
 //! Amplitude spectra over orders, multiples of the input's frequency.
 //!
-//! Hann window, `w_k = (1 - cos(2 pi k/N))/2`; amplitude `2 |X_k| / sum w`: a wave `A cos` on a bin gives `A`.
-//! Over a whole number n of input turns bin k is the order k/n exactly.
+//! Hann window, `w_k = (1 - cos(2 pi k/N))/2`; amplitude `2 |X_k| / sum w`: a wave `A cos` on a bin gives `A`. Over n complete
+//! input turns bin k is exactly the order k/n.
 
 use std::f64::consts::TAU;
 
@@ -12,17 +12,16 @@ use crate::StudyError;
 use crate::fourier::moduli;
 use pinwheel_scene::{Scene, derived};
 
-/// Input turns until the start has died down, and turns analysed: 15, in which a disc turns once, so that every
-/// order a disc can make is a bin.
+/// Input turns skipped for the start-up, and turns analysed: 15, one turn of a disc, so that every order of a disc is a bin.
 pub const TURNS: (usize, usize) = (3, 15);
 /// Samples in a turn: up to order 256.
 pub const SAMPLES: usize = 512;
-/// Orders drawn.
+/// Highest order in the plot.
 const HIGHEST: usize = 70;
-/// Bins to both sides that a line spreads over.
+/// Bins on both sides of a line that it spreads over.
 const SPREAD: usize = 2;
 
-/// Single-sided amplitudes of `values` less their mean, bin 0 to N/2.
+/// Returns the single-sided amplitudes of `values` less their mean, bin 0 to N/2.
 pub fn amplitudes(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let middle = mean(values);
@@ -33,7 +32,8 @@ pub fn amplitudes(values: &[f64]) -> Vec<f64> {
     bins.map(|bin| 2.0 * bin / sum).collect()
 }
 
-/// Predicted orders up to `highest`, of the input: multiples of the external mesh (zk) and of the internal one (zi zk/zs).
+/// Returns the predicted orders of the input up to `highest`: multiples of the external mesh (zk) and of the internal one (zi
+/// zk/zs).
 pub fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
     let external = scene.gear.external_sleeves as f64;
     let internal = scene.gear.internal_sleeves as f64 * external / scene.gear.lobes() as f64;
@@ -48,12 +48,12 @@ pub fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
         .collect()
 }
 
-/// Place of an order in a spectrum.
+/// Returns the bin of an order in a spectrum.
 fn bin(order: f64) -> usize {
     (order * TURNS.1 as f64).round() as usize
 }
 
-/// Share of the variation within `SPREAD` bins of the predicted orders.
+/// Returns the share of the variation within `SPREAD` bins of the predicted orders.
 pub fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
     let mut wanted = vec![false; bins.len()];
     for (order, _) in orders {
@@ -106,7 +106,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
                         number("input_amplitude_order_8.533", at(128.0 / 15.0), "N m"),
                     ]);
                 }
-                // Markers stand on the converged run's lines.
+                // Markers on the converged run's lines.
                 let mut marks = vec![f64::NAN; shown];
                 for (order, _) in &orders {
                     if let Some(mark) = marks.get_mut(bin(*order).wrapping_sub(1)) {

@@ -1,8 +1,7 @@
-//! Statements of the paper, and our verdicts: the statements of `reference/published/paper.toml` around the numbers of
-//! the figures.
+//! Statements of the paper with verdicts: rows of `reference/published/paper.toml`, filled with the numbers of the figures.
 //!
-//! Each number is computed once, for a figure; figures and claims are rows of that file, judged from these numbers by the
-//! conditions that stand there and by nothing else.
+//! Each number is computed once, for a figure; figures and claims are rows of that file, judged only by these numbers and the
+//! file's conditions.
 
 use serde::Deserialize;
 
@@ -17,25 +16,25 @@ pub struct Statements {
     pub claim: Vec<Statement>,
 }
 
-/// One row of the file.
+/// Row of the file.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Statement {
-    /// Key of the statement; a figure has that of its numbers.
+    /// Key of the statement; for a figure that of its numbers.
     pub id: String,
     /// Figure or page of the paper.
     place: String,
     /// Title of the figure.
     title: String,
-    /// The figure whose numbers judge a claim.
+    /// Figure with the numbers for a claim.
     pub figure: String,
     /// Statement of the paper.
     says: String,
-    /// Statement of our runs: a sentence with the names of numbers in braces.
+    /// Statement on Pinwheel's runs: a sentence with names of numbers in braces.
     found: String,
-    /// Reason, with the names of numbers in braces too.
+    /// Reason, with names of numbers in braces.
     pub why: String,
-    /// Rule by which a claim is judged, in words.
+    /// Rule for the verdict on a claim, in words.
     pub judged_by: String,
     /// Axes and words of the figure's plots.
     plots: Vec<Plot>,
@@ -46,7 +45,7 @@ pub struct Statement {
     verdict: Option<ClaimVerdict>,
 }
 
-/// A number, or its ratio to another, within bounds.
+/// Condition that a number, or its ratio to another, is within bounds.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Condition {
@@ -57,7 +56,7 @@ struct Condition {
 }
 
 impl Condition {
-    /// Returns true if the condition holds; false where a number is missing.
+    /// True if the condition is satisfied; false if a number is missing.
     fn holds(&self, of: &Measured) -> bool {
         let over = self.over.as_ref().map_or(1.0, |name| of.number(name));
         let value = of.number(&self.number) / over;
@@ -67,10 +66,10 @@ impl Condition {
 }
 
 impl Statements {
-    /// The embedded file.
+    /// Reads the embedded file.
     ///
     /// # Errors
-    /// The file cannot be read, which a test rules out.
+    /// The file is invalid, which a test excludes.
     pub fn read() -> Result<Self, toml::de::Error> {
         toml::from_str(include_str!(concat!(
             env!("PINWHEEL_SHIPPED"),
@@ -155,7 +154,7 @@ fn filled(text: &str, of: &Measured) -> (String, Vec<f64>) {
     (sentence, numbers)
 }
 
-/// Formats a number by `.2`, `+.2` or `.2e` as Rust's `format!`; with `%` at the end as a percentage.
+/// Formats a number by `.2`, `+.2` or `.2e` as Rust's `format!`; a final `%` gives a percentage.
 fn formatted(value: f64, format: &str) -> String {
     let digits = format.trim_matches(|c: char| !c.is_ascii_digit());
     let digits: usize = digits.parse().unwrap_or_default();

@@ -9,7 +9,7 @@ use super::read::{DRAWN, DYING, INPUT, OUTPUT, STEADY, mean, part, times};
 use super::runs::{BACKLASHES, Model, Runs, backlash};
 use crate::StudyError;
 
-/// How long the longer time is, s; the paper does not say.
+/// Length of the longer time, s, which the paper does not state.
 const LONG: f64 = 1.8;
 pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     Ok(vec![
@@ -48,7 +48,7 @@ fn ripple(runs: &Runs<'_>, id: &'static str, channel: &str) -> Result<Measured, 
     Ok(found)
 }
 
-/// How much a course differs from itself one period earlier, relative to its own variation, for the last period.
+/// Returns the difference of a signal's last period from the one before, relative to its own variation.
 fn unlike_before(values: &[f64], period: usize) -> f64 {
     let [before, last] = [2, 1].map(|periods| values.len().saturating_sub(periods * period));
     let (before, now) = (&values[before..last], &values[last..]);
@@ -59,7 +59,7 @@ fn unlike_before(values: &[f64], period: usize) -> f64 {
 }
 
 fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
-    // A common period of both meshes: zs/zk of an input turn.
+    // Common period of both meshes: zs/zk of an input turn.
     let gear = Scene::paper().gear;
     let turn = TAU / Scene::paper().drive.input_speed_rad_s;
     let period = turn * gear.lobes() as f64 / gear.external_sleeves as f64;
@@ -82,7 +82,7 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
         let torque = part(&run.time_series, OUTPUT, (0.0, LONG));
         let unlike = unlike_before(torque, samples as usize);
         found.numbers.push(number(name, unlike, ""));
-        // Every third sample is enough for the page: 8 kHz.
+        // Every third sample suffices for the page: 8 kHz.
         let thin = |values: &[f64]| values.iter().copied().step_by(3).collect::<Vec<_>>();
         x = thin(&times(&run.time_series, (0.0, LONG)));
         let label = format!("{}, {}", backlash(d), model.words());

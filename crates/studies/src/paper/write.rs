@@ -1,4 +1,4 @@
-//! The study of the paper as files.
+//! Files of the study of the paper.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::provenance::{Provenance, Summary};
 /// Payload of `summary.json`.
 #[derive(Serialize)]
 struct PaperSummary<'a> {
-    /// Name of the run that stood in Adams' place.
+    /// Name of the run in place of Adams.
     against: Option<&'a str>,
     #[serde(flatten)]
     paper: &'a PaperResult,
@@ -41,7 +41,7 @@ impl PaperResult {
         Summary::new(made, found).write(dir)
     }
 
-    /// The claims as a table in Markdown, one line each after its head: `docs/physics.md` has it.
+    /// Returns the claims as a table in Markdown for `docs/physics.md`, one line each after its head.
     #[must_use]
     pub fn claims_table(&self) -> String {
         let mut text = String::from(
@@ -62,7 +62,7 @@ impl PaperResult {
     }
 }
 
-/// A plot's curves: the first column is the horizontal axis, cells are empty where a curve has no value.
+/// Returns a plot's curves: the first column is the horizontal axis, cells are empty where a curve has no value.
 pub fn table(plot: &Plot) -> Table {
     let first = match plot.x_label.as_str() {
         "Time (s)" => "time_s",

@@ -1,9 +1,9 @@
-//! The atlas of stability: formulations and integrators that survive each hard scene, and how the others fail.
+//! Stability atlas: correct formulations and integrators for each hard scene, and the failures of the others.
 //!
-//! An entry for each scene and method holds the largest step with a correct run (by bisection), the error at the paper's step
+//! An entry for each scene and method has the largest step with a correct run (by bisection), the error at the paper's step
 //! against a converged run, the first failure above the largest step, and the energy balance.
 //!
-//! Scenes are independent: they are studied in parallel, and an interrupted atlas resumes with the scenes that are missing.
+//! Scenes are independent: they run in parallel, and an interrupted atlas resumes with the missing ones.
 
 mod search;
 mod verdict;
@@ -25,22 +25,22 @@ use crate::control::{Control, Progress, run_on};
 use crate::pool;
 use crate::reference::{self, Reference};
 
-/// A formulation with an integrator, or a user's solver.
+/// Formulation with an integrator, or a user's solver.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Method {
-    /// Name of a user's solver; the other fields are then those of the scene.
+    /// Name of a user's solver, with the scene's values in the other fields.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<String>,
     /// Formulation of the equations of motion.
     pub formulation: Formulation,
     /// Name of the integrator in scenes.
     pub integrator: String,
-    /// Tolerance of methods that choose their steps: of a step for `dopri5`, of a run for `imex2-adaptive`.
+    /// Tolerance of adaptive methods: per step for `dopri5`, per run for `imex2-adaptive`.
     pub tolerance: Option<f64>,
 }
 
 impl Method {
-    /// Method of the user's solver `name` on `scene`.
+    /// Returns the method of the user's solver `name` on `scene`.
     #[must_use]
     pub fn of_solver(name: &str, scene: &Scene) -> Self {
         let knob = by_name(name, scene).and_then(|engine| Some(engine.info().refinement?.knob));
@@ -83,14 +83,14 @@ pub struct Options {
     pub methods: Vec<Method>,
     /// Step at which errors are measured, s.
     pub step_s: f64,
-    /// Longest duration of a run, s; longer scenes are cut.
+    /// Longest duration of a run, s; longer scenes are shortened.
     pub longest_s: f64,
     /// Least and largest step of the search for the largest stable one, s.
     pub steps_s: [f64; 2],
 }
 
 impl Default for Options {
-    /// All hard presets, all methods, at the paper's step.
+    /// Returns all hard presets and all methods, at the paper's step.
     fn default() -> Self {
         let method = |(formulation, integrator): (Formulation, &str)| Method {
             solver: None,
@@ -126,7 +126,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Returns the default options with runs of 0.02 s, which hold the first impacts and take a fifth of the time.
+    /// Returns the default options with runs of 0.02 s, which include the first impacts and take a fifth of the time.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -135,10 +135,10 @@ impl Options {
         }
     }
 
-    /// Returns the options with other scenes; an empty list changes nothing.
+    /// Returns the options with other scenes, unchanged for an empty list.
     ///
     /// # Errors
-    /// A scene that is named twice, that cannot be read, or that cannot be modelled.
+    /// A scene that is repeated, cannot be read, or cannot be modelled.
     pub fn of(self, scenes: &[String]) -> Result<Self, StudyError> {
         if scenes.is_empty() {
             return Ok(self);
@@ -163,16 +163,17 @@ impl Options {
 /// Result of one method on one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Cell {
-    /// The method.
+    /// Method of the entry.
     pub method: Method,
-    /// Error at the study's step or the method's tolerance. `None` if that run stopped, or if the converged forces are rounding
-    /// alone (no load).
+    /// Error at the study's step or the method's tolerance; `None` if that run stopped, or if the converged forces are rounding
+    /// (no load).
     pub error: Option<Distance>,
-    /// How that run failed, if it did.
+    /// Failure of that run, if any.
     pub failure: Option<Failure>,
     /// Largest and mean loads of the run's time series.
     pub level: Option<LoadMagnitude>,
-    /// Remainder of the energy balance as a share of the larger work, after friction, damping and stored energy; the paper's law itself creates about 0.01 in the steady state.
+    /// Remainder of the energy balance as a share of the larger work, after friction, damping and stored energy; the paper's
+    /// law creates about 0.01 in the steady state.
     pub energy_remainder_share: Option<f64>,
     /// Largest joint error, m (Lagrange form).
     pub joint_drift_m: f64,
@@ -180,20 +181,20 @@ pub struct Cell {
     pub evaluations: u64,
     /// Largest step with a correct run, s; `None` for adaptive methods, or if no step gives one.
     pub largest_step_s: Option<f64>,
-    /// True if the longest step tried gave a correct run.
+    /// True if the longest step gave a correct run.
     pub never_failed: bool,
     /// First failure above the largest step.
     pub fails_first: Option<Failure>,
 }
 
 impl Cell {
-    /// Returns true if the method gives a correct run at the study's step or at a shorter one.
+    /// True if the method gives a correct run at the study's step or at a shorter one.
     #[must_use]
     pub fn is_right(&self) -> bool {
         self.largest_step_s.is_some() || self.failure.is_none()
     }
 
-    /// Returns the error of the forces where the run is correct (0 where no pin carries force).
+    /// Returns the error of the forces of a correct run (0 if no pin carries force).
     #[must_use]
     pub fn right_to(&self) -> Option<f64> {
         let right = self.failure.is_none();
@@ -206,15 +207,15 @@ impl Cell {
 pub struct SceneRow {
     /// Name of the scene.
     pub scene: String,
-    /// Why it is hard.
+    /// Reason why the scene is hard.
     pub why: String,
-    /// Method that `integrator = "auto"` takes for the scene.
+    /// Method that `integrator = "auto"` selects for the scene.
     pub auto: String,
     /// Converged run, the reference of all errors.
     pub reference: Option<Reference>,
-    /// Reason why the scene has no converged run, which is a result too.
+    /// Reason for the absence of a converged run, which is a result, too.
     pub refused: Option<String>,
-    /// Results, one a method.
+    /// Results, one for each method.
     pub cells: Vec<Cell>,
 }
 
@@ -228,7 +229,7 @@ impl SceneRow {
     }
 }
 
-/// Largest relative error of the forces with which a method counts as serving a scene.
+/// Largest relative error of the forces for which a method is sufficient for a scene.
 pub const SERVED: f64 = 0.01;
 
 /// Result of the study.
@@ -236,7 +237,7 @@ pub const SERVED: f64 = 0.01;
 pub struct Atlas {
     /// Choices of the study.
     pub options: Options,
-    /// Results, one a scene; `None` for scenes that are not done.
+    /// Results, one for each scene; `None` if not complete.
     pub rows: Vec<Option<SceneRow>>,
 }
 
@@ -250,15 +251,15 @@ impl Atlas {
         }
     }
 
-    /// Returns the results of the scenes that are done.
+    /// Returns the results of the completed scenes.
     pub fn done(&self) -> impl Iterator<Item = &SceneRow> {
         self.rows.iter().flatten()
     }
 
-    /// Studies every scene that is not done, on `jobs` threads. A scene that cannot be modelled becomes a row with the reason.
+    /// Studies every incomplete scene, on `jobs` threads. A scene that cannot be modelled becomes a row with the reason.
     ///
     /// # Errors
-    /// Cancelled, or a scene that cannot be loaded, reported after the others have ended. Finished rows stay.
+    /// Cancelled, or a scene that cannot be loaded, reported after the others have ended. Complete rows are kept.
     pub fn go_on(&mut self, jobs: usize, control: &Control<'_>) -> Result<(), StudyError> {
         let (options, total) = (&self.options, self.rows.len());
         let open = (0..total).filter(|&k| self.rows[k].is_none());
@@ -278,7 +279,7 @@ impl Atlas {
         fault.map_or(Ok(()), Err)
     }
 
-    /// Returns a line for each user's solver, and true if the solver serves a scene.
+    /// Returns a line for each user's solver, and true if the solver is sufficient for a scene.
     pub fn findings(&self) -> impl Iterator<Item = (String, bool)> {
         let methods = self.options.methods.iter().enumerate();
         methods.filter_map(|(place, method)| {
@@ -299,7 +300,7 @@ impl Atlas {
         })
     }
 
-    /// Returns the names of the scenes that no method serves, [`SERVED`].
+    /// Returns the names of the scenes without a sufficient method, [`SERVED`].
     #[must_use]
     pub fn unserved(&self) -> Vec<String> {
         let served = |row: &&SceneRow| row.best().is_some_and(|(_, error)| error <= SERVED);
@@ -308,7 +309,7 @@ impl Atlas {
     }
 }
 
-/// Studies one scene, a preset or a file, with every method. A scene that cannot be resolved is a row with the reason.
+/// Studies one scene, a preset or a file, with every method. A scene without a converged run is a row with the reason.
 fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow, StudyError> {
     let mut scene = Scene::load(name, &[])?.into_scene();
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
@@ -345,7 +346,7 @@ fn cell(
     control: &Control<'_>,
 ) -> Result<Cell, StudyError> {
     let (mut scene, mut method) = (scene.clone(), method.clone());
-    // A scene that asks for a tenth of the usual tolerance gets a tenth of the method's.
+    // A scene with a tenth of the usual tolerance gets a tenth of the method's.
     let share = (scene.solver.tolerance / Scene::paper().solver.tolerance).min(1.0);
     method.tolerance = method.tolerance.map(|tolerance| tolerance * share);
     scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);

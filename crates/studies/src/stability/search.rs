@@ -1,4 +1,4 @@
-//! The largest step that still gives the right picture.
+//! Search for the largest step with a correct run.
 
 use super::{Failure, Options};
 use crate::StudyError;

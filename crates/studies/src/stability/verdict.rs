@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use pinwheel_timeseries::norms::{Distance, LoadFloor, LoadMagnitude};
 
-/// Kind of failure of a run. All but a blow-up end with wrong numbers that look like results.
+/// Kind of failure of a run. All except a blow-up give wrong numbers that look like results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Failure {
-    /// The run stopped with an error.
+    /// Run stopped with an error.
     BlowUp {
         /// Time of the failure, s.
         time_s: f64,
@@ -23,17 +23,17 @@ pub enum Failure {
         /// Largest force over the converged largest.
         peak_ratio: f64,
     },
-    /// The mean driver torque is wrong.
+    /// Wrong mean driver torque.
     WrongMean {
         /// Difference as a share of the torque's converged RMS.
         share: f64,
     },
-    /// Joints come apart (Lagrange form).
+    /// Joints that open (Lagrange form).
     Drift {
         /// Largest joint error, m.
         joint_m: f64,
     },
-    /// Forces of the right size at the wrong time: phases are lost.
+    /// Forces of the right size at the wrong time, i.e. with lost phases.
     WrongCourse {
         /// Relative L2 error of the forces.
         error: f64,
@@ -44,12 +44,13 @@ pub enum Failure {
 const PEAK_RATIO: f64 = 1.5;
 /// Largest permitted relative error of the mean driver torque.
 const MEAN_SHARE: f64 = 0.1;
-/// Largest permitted joint error as a share of the penetration under the load: 1e-7 m for the paper's gear, a hundredth of its ramp.
+/// Largest permitted joint error, as a share of the penetration under the load: 1e-7 m for the paper's gear, a hundredth of its
+/// ramp.
 const JOINT_SHARE: f64 = 0.0015;
-/// Largest permitted relative L2 error of the forces; beyond it the two time series have nothing in common.
+/// Largest permitted relative L2 error of the forces; beyond it the time series are unrelated.
 const COURSE_ERROR: f64 = 0.5;
 /// Least force and torque that are judged, as shares of the largest static pin force and of a disc's load: 1 N and 0.01 N m for
-/// the paper's gear. An idle gear has less.
+/// the paper's gear. An unloaded gear has less.
 const FORCE_SHARE: f64 = 0.015;
 const TORQUE_SHARE: f64 = 1e-3;
 
@@ -97,7 +98,7 @@ impl Failure {
     }
 }
 
-/// Reference against which runs are judged.
+/// Reference for the judgement of runs.
 pub(super) struct Judge<'a> {
     reference: &'a TimeSeries,
     level: LoadMagnitude,
@@ -115,7 +116,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Returns the error against the reference; `None` where its forces are below the least that is judged.
+    /// Returns the error against the reference; `None` if its forces are below the least that is judged.
     pub(super) fn error(&self, time_series: &TimeSeries) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;
         (self.level.peak_force_n > floor)

@@ -1,4 +1,4 @@
-//! Files of an atlas; an interrupted atlas is read back from them.
+//! Files of an atlas, from which an interrupted atlas is resumed.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ struct Studied<'a> {
     atlas: &'a Atlas,
 }
 
-/// Part of an earlier study that its continuation needs.
+/// Part of an earlier study required for its continuation.
 #[derive(Deserialize)]
 struct Earlier {
     atlas: Atlas,
@@ -46,13 +46,13 @@ impl Atlas {
         let place = dir.join("summary.json");
         let refuse = |what: String| {
             let place = place.display();
-            let what = format!("--resume: {place}: {what}; leave out --resume to begin anew");
+            let what = format!("--resume: {place}: {what}; leave out --resume to start again");
             StudyError::Input(what)
         };
         let text = std::fs::read_to_string(&place)
             .map_err(|error| refuse(format!("cannot be read: {error}")))?;
         let Earlier { atlas } = serde_json::from_str(&text)
-            .map_err(|error| refuse(format!("holds no study to go on with: {error}")))?;
+            .map_err(|error| refuse(format!("has no study to resume: {error}")))?;
         // The file may have been edited.
         if atlas.options != *options || atlas.rows.len() != options.scenes.len() {
             return Err(refuse(

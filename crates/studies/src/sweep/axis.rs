@@ -9,17 +9,17 @@ use toml::Value as Toml;
 /// Largest number of values of one axis.
 const MOST_VALUES: usize = 100_000;
 
-/// A value of a key as a scene file would write it.
+/// Value of a key, as in a scene file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Value {
     /// A number.
     Number(f64),
-    /// A whole number.
+    /// An integer.
     Whole(i64),
     /// A word.
     Text(String),
-    /// Anything else, as TOML.
+    /// Any other value, as TOML.
     Other(String),
 }
 
@@ -75,7 +75,7 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(x) => {
-                // Twelve digits: the arithmetic of a range makes 1.0000000000000002e-6 of 1e-6.
+                // Twelve digits: the arithmetic of a range turns 1e-6 into 1.0000000000000002e-6.
                 let meant: f64 = format!("{x:.12e}").parse().unwrap_or(*x);
                 // An exponent instead of many zeros.
                 if meant != 0.0 && !(1e-3..1e6).contains(&meant.abs()) {
@@ -90,7 +90,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Keys that are varied together: point k gives each key its k-th value.
+/// Keys that vary together: point k gives each key its k-th value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Scene keys with their values; all lists have the same length, at least 1.
@@ -104,7 +104,7 @@ impl Axis {
         self.keys.first().map_or(0, |(_, values)| values.len())
     }
 
-    /// Returns true for an axis without points.
+    /// True for an axis without points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -120,7 +120,7 @@ impl Axis {
 /// Keys of a range.
 pub(super) const RANGE: [&str; 5] = ["from", "to", "points", "step", "spacing"];
 
-/// A range of numbers, both ends included.
+/// Range of numbers, both ends included.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Range {
@@ -143,7 +143,7 @@ enum Spacing {
 /// Returns the values of a list `[1, 2]`, or of a range `{ from, to, points | step, spacing }`, at a key of the scene.
 ///
 /// # Errors
-/// A list or range that gives no values of the key, with the remedy.
+/// A list or range without valid values of the key, with the remedy.
 pub fn values(
     document: &Document<'_>,
     key: &str,
@@ -222,8 +222,8 @@ impl Range {
     }
 }
 
-/// Returns whole numbers where the file gives whole ends (`whole`) and all values between are whole; otherwise numbers of
-/// twelve digits, so that 0.1 + 0.2 is 0.3.
+/// Returns integers if the file states integer ends (`whole`) and all values between are integers; otherwise numbers of twelve
+/// digits, so that 0.1 + 0.2 is 0.3.
 fn tidy(list: &[f64], whole: bool) -> Vec<Value> {
     let is_whole = |x: &f64| (x - x.round()).abs() < 1e-9 * x.abs().max(1.0);
     let whole = whole && list.iter().all(is_whole);

@@ -1,4 +1,4 @@
-//! Errors of a sweep. Every message is one line: where, what, and the remedy.
+//! Errors of a sweep. Every message is one line with place, fault and remedy.
 
 use std::path::PathBuf;
 
@@ -8,45 +8,45 @@ use pinwheel_scene::SceneError;
 /// Faults of reading, planning or running a sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The file cannot be read, or does not say what to do.
+    /// Sweep file that cannot be read, or is incomplete.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A run's scene is refused.
+    /// Refused scene of a run.
     #[error("run {number} ({values}): {source}")]
     Scene {
-        /// Number of the run, the first being 1.
+        /// Number of the run, from 1.
         number: usize,
         /// Values of the varied keys.
         values: String,
-        /// Why.
+        /// Fault of the scene.
         source: Box<SceneError>,
     },
     /// Fault of the input, with the remedy.
     #[error("{0}")]
     Input(String),
-    /// A file cannot be read or written.
-    #[error("{}: {}; check that there is room and that you may write there", path.display(), crate::output::reason(source))]
+    /// File that cannot be read or written.
+    #[error("{}: {}; check the free space and the permission to write", path.display(), crate::output::reason(source))]
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file of the results cannot be written.
+    /// Result file that cannot be written.
     #[error(transparent)]
     Output(#[from] crate::output::OutputError),
-    /// There are runs of an earlier attempt, and nobody said whether they count.
+    /// Runs of an earlier attempt, without a choice of their treatment.
     #[error("{} holds runs of an earlier attempt", place.display())]
     Begun {
-        /// The journal's folder.
+        /// Folder of the journal.
         place: PathBuf,
     },
-    /// The user asked to stop; finished runs are kept.
+    /// Stop by the user; finished runs are kept.
     #[error("stopped after {finished} of {runs} runs")]
     Stopped {
-        /// Runs that are kept.
+        /// Number of stored runs.
         finished: usize,
-        /// All runs.
+        /// Number of all runs.
         runs: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! Runs over all cores: threads take the next run until there is none.
+//! Runs on all cores: threads take the next run until none is left.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -14,10 +14,10 @@ use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, identity};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
-/// Reports of a run's progress at most.
+/// Largest number of progress reports of a run.
 const TOLD: u64 = 100;
 
-/// Data that all threads share.
+/// Data common to all threads.
 struct Shared<'a> {
     plan: &'a Plan,
     journal: &'a Journal,
@@ -28,11 +28,9 @@ struct Shared<'a> {
     simulated_us: AtomicU64,
 }
 
-/// Runs what the journal does not hold, on `jobs` threads; the records are in the plan's order.
-///
+/// Runs everything that is missing in the journal, on `jobs` threads; returns the records in the plan's order.
 /// # Errors
-/// [`SweepError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot
-/// be written.
+/// [`SweepError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot be written.
 pub fn execute(
     plan: &Plan,
     journal: &Journal,
@@ -48,7 +46,7 @@ pub fn execute(
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
-    // No error but none when cancelled.
+    // An error of `None` means cancelled.
     let run = |last: &mut Option<Gearbox>, k: usize| {
         let record = shared.one(last, &plan.runs[k])?.ok_or(None)?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
@@ -67,10 +65,10 @@ pub fn execute(
     }
 }
 
-/// The record of a run, if the journal holds it with its time series.
+/// Returns the record of a run, if the journal has it with its time series.
 ///
 /// # Errors
-/// An engine that is gone.
+/// Unavailable engine.
 pub fn find(
     plan: &Plan,
     planned: &PlannedRun,
@@ -94,10 +92,10 @@ fn found(
     Ok(Some(RunRecord::of(planned, engine.as_ref(), "", &run)))
 }
 
-/// The complete scene of a run as TOML, and the [`RunRecord::identity`] that its record will have.
+/// Returns the complete scene of a run as TOML, and the [`RunRecord::identity`] of its record.
 ///
 /// # Errors
-/// An engine that is gone.
+/// Unavailable engine.
 pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), SweepError> {
     let engine = plan.engine(planned)?;
     let scene = planned.scene.to_toml();
@@ -107,8 +105,8 @@ pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), 
     Ok((scene, identity))
 }
 
-/// Makes a run, and keeps its time series in the folder `time_series` as is asked for; `None` when cancelled. `scene`: its complete
-/// scene as TOML; `last`: what the run before was computed with ([`Engine::run_after`]).
+/// Performs a run, and stores its time series in the folder in the requested form; `None` when cancelled. `scene`: its complete
+/// scene as TOML; `last`: gearbox of the previous run ([`Engine::run_after`]).
 ///
 /// # Errors
 /// Time series cannot be written.
@@ -140,7 +138,7 @@ impl Shared<'_> {
         });
     }
 
-    /// One run, from the journal or anew; `None` when cancelled.
+    /// Returns one run, from the journal or computed; `None` when cancelled.
     fn one(
         &self,
         last: &mut Option<Gearbox>,
@@ -162,7 +160,7 @@ impl Shared<'_> {
         let reached = |at: Progress<'_>| {
             let time_s = at.simulated_s.map_or(0.0, |[time_s, _]| time_s);
             let now = (time_s.clamp(0.0, duration) * 1e6) as u64;
-            // All threads write to one counter: not at every sample.
+            // All threads write to one counter, so it is not updated at every sample.
             let before = seen_us.load(Ordering::Relaxed);
             if now < whole_us && now < before + whole_us / TOLD {
                 return;

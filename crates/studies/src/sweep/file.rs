@@ -41,9 +41,9 @@ pub enum KeepTimeSeries {
     /// Figures only.
     #[default]
     None,
-    /// A CSV file a run.
+    /// CSV file for each run.
     Csv,
-    /// A Parquet file a run.
+    /// Parquet file for each run.
     Parquet,
 }
 
@@ -54,7 +54,7 @@ pub struct Sweep {
     pub name: String,
     /// Purpose of the sweep in one sentence.
     pub description: String,
-    /// Preset or path of the base scene, as [`pinwheel_scene::Scene::load`] takes it.
+    /// Preset or path of the base scene, as for [`pinwheel_scene::Scene::load`].
     pub scene: String,
     /// Engines by name.
     pub engines: Vec<String>,
@@ -62,7 +62,7 @@ pub struct Sweep {
     pub set: Vec<Override>,
     /// Varied keys; the last axis changes fastest.
     pub axes: Vec<Axis>,
-    /// Keys that are sampled at random; the last axis of the plan.
+    /// Keys that are sampled at random, as the last axis of the plan.
     pub sample: Option<Sample>,
     /// Limits on columns of the results.
     pub specification: Vec<Limit>,
@@ -70,7 +70,7 @@ pub struct Sweep {
     pub window_s: Option<[f64; 2]>,
     /// Patterns of quantities whose figures are kept (`*` for any characters).
     pub measure: Vec<String>,
-    /// Form in which time series are kept.
+    /// Form of stored time series.
     pub time_series: KeepTimeSeries,
     /// Text of the file.
     pub text: String,
@@ -95,7 +95,7 @@ struct Top {
     window_s: Option<Window>,
     #[serde(default, rename = "courses")]
     time_series: KeepTimeSeries,
-    /// Tables whose keys are those of scenes and results; each key is read by itself.
+    /// Tables whose keys are those of scenes and results, each read separately.
     #[serde(rename = "set")]
     _set: Option<IgnoredAny>,
     #[serde(rename = "vary")]
@@ -176,7 +176,7 @@ impl Sweep {
     /// Reads a sweep from the text of the file `path`. A scene file is searched in its folder.
     ///
     /// # Errors
-    /// The first fault with its line and remedy.
+    /// First fault with its line and remedy.
     pub fn from_toml(text: &str, path: &Path) -> Result<Self, SweepError> {
         let file = path.display().to_string();
         let top: Top = read(text, &file, REMEDY)?;
@@ -226,7 +226,7 @@ impl Sweep {
             window_s: top.window_s.map(|window| window.0),
             measure: top.measure.0,
             time_series: top.time_series,
-            // The last check, so that a mistyped key is named before a missing one.
+            // Checked last, so that a mistyped key is reported before a missing one.
             scene: scene_beside(path, &top.scene.ok_or_else(|| no_scene(&document))?),
             text: text.to_owned(),
         })
@@ -290,7 +290,7 @@ fn together<'d, 't>(document: &'d Document<'t>) -> Result<Vec<&'d Entries<'t>>, 
     })
 }
 
-/// Returns the axis of keys that change in step; `None` without keys.
+/// Returns the axis of keys that vary together; `None` without keys.
 fn in_step(
     document: &Document<'_>,
     entries: &Entries<'_>,

@@ -1,4 +1,4 @@
-//! Keys that do nothing: runs that differ in one axis alone and are equal to the bit.
+//! Keys without an effect: runs that differ in one axis only and are equal to the bit.
 
 use std::collections::HashMap;
 
@@ -6,8 +6,8 @@ use pinwheel_files::fnv;
 
 use crate::sweep::{Plan, RunRecord};
 
-/// Returns the axes, by their keys, along which nothing changes: all runs finished, and those that differ in nothing else have
-/// equal figures, steps and evaluations. Random samples have none, as all of their keys change at once.
+/// Returns the axes, by their keys, without an effect: all runs finished, and runs that differ in this axis only have equal
+/// figures, steps and evaluations. Random samples have none, because all their keys change at once.
 #[must_use]
 pub fn idle(plan: &Plan, records: &[RunRecord]) -> Vec<String> {
     let finished = records.iter().all(|record| record.ending.is_finished());
@@ -38,7 +38,7 @@ pub fn idle(plan: &Plan, records: &[RunRecord]) -> Vec<String> {
     .collect()
 }
 
-/// Returns a hash of everything that a run gave but its costs.
+/// Returns a hash of all results of a run except its costs.
 fn outcome(record: &RunRecord) -> u64 {
     let alone = RunRecord {
         scene: String::new(),

@@ -1,17 +1,17 @@
-//! Finished runs on disk, one file each, so that a sweep that was killed goes on where it stopped.
+//! Finished runs on disk, one file each, so that an interrupted sweep resumes.
 //!
-//! A record belongs to its whole content (scene, engine, versions, window), so a sweep may be changed between two
-//! attempts: runs it still asks for are found again, others are run.
+//! A record is identified by all its inputs (scene, engine, versions, window), so a sweep may change between two attempts: runs
+//! that it still contains are reused, others are computed.
 //!
 //! ```text
 //!  out.unfinished/              one process writes, by its lock
 //!    .lock  run-*.json          records; run-*.csv or .parquet: time_series
 //! ```
 //!
-//! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
-//! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Time series are written beside their
-//! place, waited for and then renamed, as a record says that they are there. It also holds their size and hash, and its own: what was
-//! damaged or changed since counts for nothing.
+//! Records are written directly to their place, without waiting for the disk, which would cost as much as a short run. After a
+//! kill or a power cut an incomplete record is invalid JSON, and its run is repeated. Time series are written beside their
+//! place, synced and then renamed, because a record states that they exist. It also contains their size and hash, and its own:
+//! damaged or changed files are ignored.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -32,39 +32,39 @@ use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
 use crate::sweep::written::Written;
 
-/// How files of runs begin.
+/// Prefix of files of runs.
 const PREFIX: &str = "run-";
-/// How unfinished files begin.
+/// Prefix of unfinished files.
 const UNFINISHED: &str = ".unfinished-";
 
 /// Treatment of the runs of an earlier attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Begin {
-    /// There should be none.
+    /// Requires that there are none.
     Fresh,
-    /// They count, and so do those of earlier results.
+    /// Uses them, and those of earlier results.
     Resume,
-    /// They go.
+    /// Deletes them.
     Over,
 }
 
-/// A folder of finished runs.
+/// Folder of finished runs.
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
-    /// Keeps other processes from writing the same runs.
+    /// Lock that excludes other writing processes.
     owner: Lock,
-    /// Files of the records, by the hash of their identity; the records of a large sweep would fill the memory.
+    /// Files of the records, by the hash of their identity; the records of a large sweep would not fit in memory.
     known: Mutex<HashMap<u64, PathBuf>>,
 }
 
 impl Journal {
-    /// Opens `folder`, made if it is not there, and reads its runs; those of `earlier` too, for reading only.
+    /// Opens `folder`, created if missing, and reads its runs; those of `earlier` are read-only.
     ///
-    /// Files that are no records, or of runs that failed, are passed over.
+    /// Files that are no records, or of failed runs, are ignored.
     ///
     /// # Errors
-    /// The folder cannot be made or read, is not a journal, or another process writes it.
+    /// The folder cannot be created or read, is not a journal, or another process writes it.
     pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
         let owner = Lock::take(folder, command)?;
@@ -75,10 +75,10 @@ impl Journal {
         })
     }
 
-    /// The journal of a sweep whose results go to the folder `out`: `out.unfinished` beside it.
+    /// Opens the journal of a sweep with results in the folder `out`: `out.unfinished` beside it.
     ///
     /// # Errors
-    /// As [`open`](Self::open); there are runs that nobody said what to do with.
+    /// Errors of [`open`](Self::open); runs without a choice of their treatment.
     pub fn begin(out: &Path, begin: Begin, command: &str) -> Result<Self, SweepError> {
         let place = Self::beside(out);
         let there = place.exists();
@@ -93,13 +93,13 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Where the journal of a sweep stands whose results go to `out`.
+    /// Returns the journal's folder for results in `out`.
     #[must_use]
     pub fn beside(out: &Path) -> PathBuf {
         beside(out, ".unfinished")
     }
 
-    /// Returns the records of `own`, whose unfinished files go, and of `earlier`.
+    /// Returns the records of `own`, whose unfinished files are deleted, and of `earlier`.
     fn read(
         own: &Path,
         earlier: Option<&Path>,
@@ -122,20 +122,20 @@ impl Journal {
         Ok(Mutex::new(known))
     }
 
-    /// Where time series go.
+    /// Returns the folder of time series.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Runs in its own folder, those of an earlier output not counted.
+    /// Returns the number of runs in its own folder, without those of an earlier output.
     #[must_use]
     pub fn in_its_folder(&self) -> usize {
         let own = |path: &&PathBuf| path.starts_with(&self.folder);
         pool::lock(&self.known).values().filter(own).count()
     }
 
-    /// Forgets the runs in its own folder.
+    /// Deletes the runs in its own folder.
     ///
     /// # Errors
     /// A file cannot be removed.
@@ -150,17 +150,17 @@ impl Journal {
         Ok(())
     }
 
-    /// Removes its own folder with the runs in it; what else is in it stays, and the folder with it.
+    /// Deletes its own folder with the runs in it; a folder with other files stays.
     ///
     /// # Errors
-    /// A run cannot be removed.
+    /// A run cannot be deleted.
     pub fn remove(self) -> Result<(), SweepError> {
         self.clear()?;
         self.owner.remove();
         Ok(())
     }
 
-    /// The record of an identity, if its time series are kept as wanted and are what was written.
+    /// Returns the record of an identity, if its time series are stored in the requested form and unchanged.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
         let path = pool::lock(&self.known).get(&hash_of(identity))?.clone();
         let record = record(&fs::read(&path).ok()?).filter(|r| r.identity() == identity)?;
@@ -171,7 +171,7 @@ impl Journal {
         there.then_some(record)
     }
 
-    /// Keeps the record of a run whose time series, where they are kept, are there already; of one that failed nothing.
+    /// Stores the record of a run whose time series, if requested, are already stored; failed runs are not stored.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -181,17 +181,17 @@ impl Journal {
         }
         let identity = record.identity();
         let path = place(&self.folder, &identity, "json");
-        // A file of its own: what stood there may have another name in an output.
+        // A new file, because the old one may be linked into an output.
         let _ = fs::remove_file(&path);
         fs::write(&path, json(record)).map_err(at(&path))?;
         pool::lock(&self.known).insert(hash_of(&identity), path);
         Ok(())
     }
 
-    /// Puts a run's files into `folder` as `run-0007.*`; nobody changes either place's afterwards.
+    /// Adds a run's files to `folder` as `run-0007.*`; both places must not change them afterwards.
     ///
     /// # Errors
-    /// A file cannot be read or written. A record that is not kept (a run that failed) is written anew.
+    /// A file cannot be read or written. The record of a failed run, which is not stored, is written here.
     pub fn copy(
         &self,
         record: &RunRecord,
@@ -217,7 +217,7 @@ impl Journal {
     }
 }
 
-/// Links a file under another name, which costs less than a second file. Copies it where the disk has no links.
+/// Links a file under another name, cheaper than a copy; copies it if the file system has no links.
 fn linked(from: &Path, to: &Path) -> Result<(), SweepError> {
     let copied = fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(|_| ()));
     copied.map_err(at(to))
@@ -230,7 +230,7 @@ fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
     }
 }
 
-/// Entries of a folder.
+/// Lists the entries of a folder.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
     let entries = fs::read_dir(folder).map_err(at(folder))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
@@ -241,14 +241,14 @@ fn name_of(path: &Path) -> std::borrow::Cow<'_, str> {
     path.file_name().unwrap_or_default().to_string_lossy()
 }
 
-/// Key of a record's own hash in its file: of the rest as compact JSON.
+/// Key of a record's own hash in its file: of the remaining content as compact JSON.
 const HASH: &str = "record_fnv";
 
 fn hash(record: &Value) -> Value {
     format!("{:016x}", fnv(record.to_string().bytes())).into()
 }
 
-/// Returns a record as its file has it, with its hash.
+/// Returns a record in its file's form, with its hash.
 fn json(record: &RunRecord) -> String {
     let mut value = serde_json::to_value(record).unwrap_or_default();
     let hash = hash(&value);
@@ -258,7 +258,7 @@ fn json(record: &RunRecord) -> String {
     serde_json::to_string_pretty(&value).unwrap_or_default()
 }
 
-/// Returns the record of a file; `None` where it is none, or was changed since it was written.
+/// Returns the record of a file; `None` if it is invalid or was changed.
 fn record(bytes: &[u8]) -> Option<RunRecord> {
     let mut value: Value = serde_json::from_slice(bytes).ok()?;
     let written = value.as_object_mut()?.remove(HASH)?;
@@ -269,14 +269,14 @@ fn hash_of(identity: &str) -> u64 {
     fnv(identity.bytes())
 }
 
-/// The file of a run in a journal's folder.
+/// Returns the file of a run in a journal's folder.
 fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     let hash = hash_of(identity);
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 
-/// Keeps the time series of a run in a journal's folder: on the disk before they have their name. Its record comes last: where it
-/// is, its time series are, as it says.
+/// Stores the time series of a run in a journal's folder, synced before they are renamed. The record follows last, so that its
+/// time series exist.
 pub(crate) fn keep_time_series(
     folder: &Path,
     identity: &str,

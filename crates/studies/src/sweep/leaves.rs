@@ -2,7 +2,7 @@
 
 use pinwheel_files::{Entries, Item};
 
-/// Dotted keys of a table with their values, in the file's order; a table with one of the `words` is a value.
+/// Returns the dotted keys of a table with their values, in the file's order; a table with one of the `words` is a value.
 pub(super) fn leaves<'d, 't>(
     entries: &'d [(String, Item<'t>)],
     words: &[&str],

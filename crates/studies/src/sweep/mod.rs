@@ -1,8 +1,8 @@
-//! Studies as data: a base scene, lists or ranges of its keys, and what to keep of every run.
+//! Sweeps as data: a base scene, lists or ranges of its keys, and the results to keep of every run.
 //!
-//! [`Sweep`] is the file, [`Plan`] every run it asks for as a checked scene, [`execute`] runs them over
-//! all cores with finished runs kept in a [`Journal`], [`results`] lays them out as a table. Every run
-//! is computed by one thread on its own, so the numbers are the same whatever the number of threads.
+//! [`Sweep`] is the file, [`Plan`] the list of its runs as checked scenes. [`execute`] runs them on all cores with finished
+//! runs stored in a [`Journal`]; [`results`] returns them as a table. Every run is computed by one thread, so the numbers do
+//! not depend on the number of threads.
 
 pub(crate) mod axis;
 mod error;

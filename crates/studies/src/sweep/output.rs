@@ -1,4 +1,4 @@
-//! The files of a sweep's output folder.
+//! Files of a sweep's output folder.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, id
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
-/// Payload of `summary.json`: what was run and every row of the results.
+/// Payload of `summary.json`: the sweep and every row of the results.
 #[derive(Serialize)]
 struct Payload<'a> {
     name: &'a str,
@@ -19,7 +19,7 @@ struct Payload<'a> {
     engines: &'a [String],
     runs: usize,
     finished: usize,
-    /// Keys along which all runs are equal to the bit.
+    /// Keys without an effect on any run, to the bit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     no_effect: Vec<String>,
     rows: &'a Table,
@@ -29,11 +29,11 @@ struct Payload<'a> {
     sample: Vec<SampleResult>,
 }
 
-/// Writes the results (`table`, of [`results`](super::results)) as CSV and, with the feature, as Parquet, the costs,
-/// the sweep's file, every run's record and `summary.json` into the folder `dir`.
+/// Writes the results (`table`, of [`results`](super::results)) as CSV and, with the feature, as Parquet, the costs, the
+/// sweep's file, every run's record and `summary.json` into the folder `dir`.
 ///
 /// # Errors
-/// A file cannot be written, or a record that the journal holds cannot be read.
+/// A file cannot be written, or a record in the journal cannot be read.
 pub fn write(
     dir: &Path,
     plan: &Plan,

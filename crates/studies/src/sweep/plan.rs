@@ -1,4 +1,4 @@
-//! From a sweep to its runs: every combination as a checked scene, before anything is run.
+//! Runs of a sweep: every combination as a checked scene, before the first run.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,35 +16,35 @@ use crate::sweep::spread::columns_of;
 use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
 
-/// Remedy for a sample that draws what is no gear.
-const WIDER: &str = "the sample reaches beyond what can be built: narrow its intervals, or give the scene the clearances of a gear as built \
-                     (`pinwheel init` suggests them)";
+/// Remedy for a sample that draws invalid gears.
+const WIDER: &str = "the sample includes gears that cannot be built: narrow its intervals, or give the scene the clearances of a \
+                     gear as built (`pinwheel init` suggests them)";
 
-/// Runs of a sweep at most.
+/// Largest number of runs of a sweep.
 pub const MOST_RUNS: usize = 100_000;
 
-/// One run.
+/// Run of a plan.
 #[derive(Debug, Clone)]
 pub struct PlannedRun {
-    /// 1, 2, ...
+    /// Number of the run, from 1.
     pub number: usize,
-    /// Engine.
+    /// Name of the engine.
     pub engine: String,
     /// Varied keys and their values, in the order of the axes.
     pub values: Vec<(String, Value)>,
-    /// The scene.
+    /// Checked scene.
     pub scene: CheckedScene,
-    /// Start and end of the window that figures are taken of, s.
+    /// Start and end of the figures' window, s.
     pub window_s: [f64; 2],
     /// Why the values of a sample make no gear; `scene` is then the one they are about.
     pub refused: Option<String>,
 }
 
 impl PlannedRun {
-    /// A run as another process planned it: `number`, `engine`, its complete scene as TOML, and its window.
+    /// Returns a run planned by another process: `number`, `engine`, its complete scene as TOML, and its window.
     ///
     /// # Errors
-    /// A scene that is refused.
+    /// Refused scene.
     pub fn from_parts(
         number: usize,
         engine: String,
@@ -62,12 +62,12 @@ impl PlannedRun {
     }
 }
 
-/// Engines that a caller brings beside those of the build; a name of theirs comes first.
+/// Engines of the caller, beside those of the build; their names take precedence.
 #[derive(Clone, Default)]
 pub struct Guests(pub Vec<Arc<dyn Engine>>);
 
 impl Guests {
-    /// The engine of a name, for a scene.
+    /// Returns an engine by name, for a scene.
     #[must_use]
     pub fn engine(&self, name: &str, scene: &Scene) -> Option<Arc<dyn Engine>> {
         let guest = self.0.iter().find(|guest| guest.name() == name);
@@ -85,28 +85,27 @@ impl fmt::Debug for Guests {
     }
 }
 
-/// A sweep and all of its runs.
+/// Sweep with all of its runs.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The sweep.
+    /// Content of the sweep file.
     pub sweep: Sweep,
-    /// Its runs; the engine changes fastest, then the last axis.
+    /// Runs; the engine changes fastest, then the last axis.
     pub runs: Vec<PlannedRun>,
-    /// Engines beside those of the build.
+    /// Engines of the caller.
     pub guests: Guests,
 }
 
 impl Plan {
-    /// Plans a sweep. `overrides` come after the file's own and before what is varied.
+    /// Plans a sweep. `overrides` apply after the file's own settings and before the varied keys.
     ///
     /// # Errors
-    /// A scene that is refused, an engine that does not exist, a window that no run reaches, too many runs.
+    /// A refused scene, an unknown engine, a window that no run reaches, too many runs.
     pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
         Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
-    /// Plans a sweep with engines of the caller's. It stops as soon as `cancel` is set, because many runs are many
-    /// scenes to check.
+    /// Plans a sweep with the caller's engines. It stops when `cancel` is set, because checking many scenes takes time.
     ///
     /// # Errors
     /// Errors of [`new`](Self::new), and [`SweepError::Stopped`].
@@ -119,7 +118,7 @@ impl Plan {
         let (mut draft, mut about) = (None, None);
         if let Some(sample) = &sweep.sample {
             let values: Vec<(String, Value)> = values_at(&sweep, 0);
-            // About the first of what else is varied: distributions without a mean are about the scene's own value.
+            // At the first point of the other axes: distributions without a mean are centred on the scene's value.
             let scene = scene_at(&mut draft, &sweep, overrides, 1, &values)?;
             let axis = sample.axis(&scene);
             let axis = axis.map_err(|what| refused(1, &values, &what))?;
@@ -194,23 +193,23 @@ impl Plan {
         })
     }
 
-    /// The engine of a run.
+    /// Returns the engine of a run.
     pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, SweepError> {
         let engine = self.guests.engine(&planned.engine, &planned.scene);
-        // Planned, so it was there; a registry does not change while the program runs.
+        // The engine existed during planning, and the registry does not change while the program runs.
         engine.ok_or_else(|| {
             let what = format!("engine `{}` is gone", planned.engine);
             refused(planned.number, &planned.values, &what)
         })
     }
 
-    /// Names of the keys that are varied, in the order of the axes.
+    /// Returns the names of the varied keys, in the order of the axes.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         let axes = self.sweep.axes.iter();
         axes.flat_map(|axis| axis.keys.iter().map(|(key, _)| key.as_str()))
     }
 
-    /// The place of a run on every axis, and among the engines where there are several.
+    /// Returns the index of a run on every axis, and among the engines if there are several.
     #[must_use]
     pub fn places(&self, run: usize) -> Vec<usize> {
         let engines = self.sweep.engines.len();
@@ -220,7 +219,7 @@ impl Plan {
     }
 }
 
-/// Refuses a pattern of what is measured that fits no quantity of the scene, and a limit on what the results will not have.
+/// Refuses a measured pattern that fits no quantity of the scene, and a limit on a column that the results will not have.
 fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     let channels = Channels::of(scene)?;
     let asked = channels.names().map(|name| group_of(name).0);
@@ -257,7 +256,7 @@ fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     Ok(())
 }
 
-/// The place on every axis at one point of the grid; the last axis changes fastest.
+/// Returns the index on every axis at one point of the grid; the last axis changes fastest.
 fn places_at(sweep: &Sweep, point: usize) -> Vec<usize> {
     let mut rest = point;
     let mut places = vec![0; sweep.axes.len()];
@@ -268,7 +267,7 @@ fn places_at(sweep: &Sweep, point: usize) -> Vec<usize> {
     places
 }
 
-/// The values there.
+/// Returns the values at a point.
 fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
     let axes = sweep.axes.iter().zip(places_at(sweep, point));
     let value =
@@ -277,12 +276,12 @@ fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
         .collect()
 }
 
-/// A run that cannot be planned.
+/// Returns the error of a run that cannot be planned.
 fn refused(number: usize, values: &[(String, Value)], what: &str) -> SweepError {
     SweepError::Input(format!("run {number} ({}): {what}", in_words(values)))
 }
 
-/// The scene of run `number`; `draft` is what all have in common, read when the first asks for it.
+/// Returns the scene of run `number`; `draft` is the part common to all runs, read on first use.
 fn scene_at(
     draft: &mut Option<Draft>,
     sweep: &Sweep,
@@ -309,7 +308,7 @@ fn scene_at(
     })
 }
 
-/// `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.
+/// Formats values as `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.
 pub fn in_words(values: &[(String, Value)]) -> String {
     if values.is_empty() {
         return "the scene as it is".to_owned();

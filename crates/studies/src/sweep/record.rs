@@ -15,55 +15,54 @@ use crate::sweep::PlannedRun;
 use crate::sweep::spread::{FIGURES, WindowStatistics};
 use crate::sweep::written::Written;
 
-/// Record of a run. All but the two times is the same whenever it is run again.
+/// Record of a run. A repeated run gives an equal record, except for both times.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// Engine.
+    /// Name of the engine.
     pub engine: String,
-    /// Its version.
+    /// Version of the engine.
     pub engine_version: String,
-    /// Its build, where it is none of this program's: see [`Engine::build`].
+    /// Build of the engine, if it is not part of this program: see [`Engine::build`].
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub engine_build: String,
-    /// This program's version.
+    /// Version of this program.
     pub pinwheel_version: String,
-    /// Hash of the sources of the program that made it.
+    /// Hash of the program's sources.
     #[serde(default)]
     pub program: String,
-    /// The whole scene, TOML.
+    /// Complete scene, TOML.
     pub scene: String,
     /// Window of the figures, s.
     pub window_s: [f64; 2],
-    /// How it ended.
+    /// Ending of the run.
     #[serde(flatten)]
     pub ending: Ending,
-    /// The file of its time series, where it has one.
+    /// File of its time series, if stored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_series: Option<Written>,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, WindowStatistics>,
     /// Quantities in the order of the time series.
     pub quantities: Vec<String>,
-    /// Figures of balances, by their columns.
+    /// Figures of equilibria, by their columns.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub balances: BTreeMap<String, f64>,
-    /// Power out over power in, at most 1; `None` where that is no efficiency, as where the contact law creates power.
+    /// Power out over power in, at most 1; `None` if meaningless, e.g. if the contact law creates power.
     pub efficiency: Option<f64>,
-    /// Power out over power out and lost by the contacts, whatever the law creates and whether anything rubs; `None` without an
-    /// account of most of the window.
+    /// Power out over the sum of power out and contact losses, for any law, with or without friction; `None` without an account
+    /// of most of the window.
     #[serde(default)]
     pub efficiency_accounted: Option<f64>,
-    /// Figures that a finished run has no number for, or none to be taken at its word, each with the reason.
+    /// Figures without a valid number in a finished run, each with the reason.
     #[serde(default)]
     pub undefined: Vec<String>,
-    /// Energy that nothing accounts for in the run's second half, as a share of the larger work, where
-    /// the engine keeps an account.
+    /// Unaccounted energy in the run's second half, as a share of the larger work, if the engine keeps an account.
     pub energy_remainder_share: Option<f64>,
-    /// Steps taken.
+    /// Number of steps.
     pub steps: u64,
     /// Evaluations of the contact forces.
     pub rhs_calls: u64,
-    /// Numerical uncertainty of the forces and of the driver's torque, relative, where the engine has verified its run.
+    /// Relative numerical uncertainty of the forces and of the driver's torque, if the engine verified its run.
     #[serde(default, rename = "numerical_uncertainty", alias = "uncertainty")]
     pub uncertainty: Option<[f64; 2]>,
     /// Remarks of the engine.
@@ -75,7 +74,7 @@ pub struct RunRecord {
 }
 
 impl RunRecord {
-    /// The record of a run, with the figures of one that finished.
+    /// Makes the record of a run, with figures if it finished.
     pub(crate) fn of(planned: &PlannedRun, engine: &dyn Engine, scene: &str, run: &Run) -> Self {
         let stats = &run.stats;
         let error = run.uncertainty.as_ref().and_then(|u| u.error);
@@ -118,7 +117,7 @@ impl RunRecord {
                 None => self.undefined.push(format!("{key} is not finite")),
             }
         }
-        // Balances have no time series, and nobody misses them.
+        // Equilibria have no time series.
         if run.time_series.is_empty() && !run.figures.is_empty() {
             return;
         }
@@ -147,8 +146,8 @@ impl RunRecord {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
         }
-        // By works or, without an account, by means of samples: mean T_out * mean speed out / (mean T_in * speed in). Or why that is no
-        // efficiency.
+        // By works or, without an account, by means of samples: mean T_out * mean speed out / (mean T_in * speed in). Otherwise
+        // the reason why it is no efficiency.
         let speed = speed_profile::final_rad_s(&planned.scene);
         let account = account(run, planned.window_s);
         let powers = account
@@ -157,7 +156,7 @@ impl RunRecord {
         let powers = powers.ok_or("a torque or the output's angle is missing");
         match powers.and_then(|[power_in, power_out]| efficiency(power_in, power_out)) {
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
-            // Powers of rounding have a ratio too.
+            // Powers that are rounding also have a ratio.
             Ok(_) if share == Some(None) => {
                 let reason = "no efficiency: no work is done";
                 self.undefined.push(reason.to_owned());
@@ -179,7 +178,7 @@ impl RunRecord {
         }
     }
 
-    /// Why cells of its row are empty; nothing if none is.
+    /// Returns the reason for empty cells in its row; empty if there are none.
     #[must_use]
     pub fn reason(&self) -> String {
         match &self.ending {
@@ -188,7 +187,7 @@ impl RunRecord {
         }
     }
 
-    /// How far the figure of a column may be off by what lies between samples; `None` of what is no figure of samples.
+    /// Returns the uncertainty of a column's figure from sampling; `None` if it is no figure of samples.
     #[must_use]
     pub fn sampling(&self, column: &str) -> Option<f64> {
         let (figure, quantity) = column.split_once('_')?;
@@ -196,7 +195,7 @@ impl RunRecord {
         self.figures.get(quantity)?.sampling.as_ref().map(of)
     }
 
-    /// Everything that the figures depend on, as text: two records with one identity have the same figures.
+    /// Returns all inputs of the figures, as text: records with equal identity have equal figures.
     #[must_use]
     pub fn identity(&self) -> String {
         let made_by = (&*self.engine, &*self.engine_version, &*self.engine_build);
@@ -205,15 +204,15 @@ impl RunRecord {
     }
 }
 
-/// The account that shares most of the window.
+/// Returns the account that shares most of the window.
 fn account(run: &Run, [from, to]: [f64; 2]) -> Option<&EnergyAudit> {
     let shared = |audit: &&EnergyAudit| audit.overlap(from, to);
     let near = run.stats.energy.iter().filter(|audit| shared(audit) > 0.5);
     near.max_by(|a, b| shared(a).total_cmp(&shared(b)))
 }
 
-/// Everything that the figures of a run depend on, as text: the engine with its version and build, the program's version and
-/// sources, the window, and the complete scene as TOML.
+/// Returns all inputs of a run's figures, as text: the engine with version and build, the program's version and sources, the
+/// window, and the complete scene as TOML.
 pub(super) fn identity(
     (engine, version, build): (&str, &str, &str),
     (pinwheel, program): (&str, &str),

@@ -1,4 +1,4 @@
-//! The table of a sweep: a row a run, a column a key or figure.
+//! Table of a sweep: a row for each run, a column for each key or figure.
 
 use pinwheel_compare::limits::fits;
 use pinwheel_timeseries::Ending;
@@ -10,12 +10,12 @@ use crate::sweep::record::RunRecord;
 use crate::sweep::spread::FIGURES;
 use crate::sweep::{Limit, Plan, statics};
 
-/// Column that says whether a run keeps the specification: 1 or 0.
+/// Column that is 1 if a run is within the specification, else 0.
 const WITHIN: &str = "within_specification";
 
 type FigureOfRun = fn(&RunRecord) -> Option<f64>;
 
-/// Figures of a run that belong to no single channel.
+/// Figures of a run without a channel.
 const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
     ("diverged_at_s", diverged_at_s),
     ("window_from_s", |r| Some(r.window_s[0])),
@@ -35,7 +35,7 @@ fn diverged_at_s(record: &RunRecord) -> Option<f64> {
 /// Returns the results of all runs in the plan's order, which does not depend on the number of threads.
 #[must_use]
 pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
-    // People read the columns by their names, those that files hold; not least and largest values, which the peak sums up.
+    // For people columns have their names in files; least and largest values are left out, as the peak covers them.
     let mut table = Table::of(
         "Every run: what was varied, how it ended, and its figures over the window",
         plan.runs.iter().zip(records),
@@ -108,7 +108,7 @@ pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
-/// Returns true if a run keeps all limits.
+/// True if a run is within all limits.
 pub(super) fn keeps(table: &Table, limits: &[Limit], row: usize) -> bool {
     let holds = |limit: &Limit| limit.holds(table.number(&limit.figure, row));
     limits.iter().all(holds)

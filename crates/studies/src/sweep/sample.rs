@@ -1,7 +1,7 @@
 //! `[sample]`: keys drawn at random from their distributions.
 //!
-//! A sample is one more axis of a sweep; every point is a run with a value of each key. It is planned, resumed and distributed
-//! like any other axis, and a seed gives equal runs on every machine.
+//! A sample is an additional axis of a sweep; every point is a run with a value of each key. It is planned, resumed and
+//! distributed like any other axis, and a seed gives equal runs on every machine.
 
 use pinwheel_files::{Document, FileError, Item, Node, nearest};
 use pinwheel_scene::CheckedScene;
@@ -14,7 +14,7 @@ use super::leaves::leaves;
 use crate::rng::Rng;
 use crate::sampling::hypercube;
 
-/// Largest number of points of a sample and of keys of a Sobol sequence, as far as the library's direction numbers reach.
+/// Largest number of points of a sample and of keys of a Sobol sequence, the limit of the library's direction numbers.
 const MOST_POINTS: usize = 1 << 16;
 const MOST_SOBOL: usize = 256;
 /// Largest number of values of one key, and of a sample.
@@ -30,7 +30,7 @@ pub enum Method {
     /// Latin hypercube: each key takes one value in each of as many equal parts of its distribution as there are points.
     #[default]
     LatinHypercube,
-    /// Sobol sequence, scrambled after Owen: even over several keys at once, best for powers of two.
+    /// Sobol sequence, scrambled after Owen: uniform over several keys at once, best for powers of two.
     Sobol,
     /// Independent points.
     Random,
@@ -52,7 +52,7 @@ pub struct Distribution {
     each: Option<usize>,
 }
 
-/// The `[sample]` of a sweep.
+/// Table `[sample]` of a sweep.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sample {
@@ -83,14 +83,14 @@ const FORMS: &str = "write { from = 0.0, to = 1e-4 }, { mean = 0.05, deviation =
                      distribution, or { plus_minus = 5e-6 } about the scene's own value";
 
 impl Sample {
-    /// Reads the table `[sample]`, which begins in a line.
+    /// Reads the table `[sample]`, which begins at `line`.
     pub(super) fn read(
         document: &Document<'_>,
         line: usize,
         entries: &[(String, Item<'_>)],
     ) -> Result<Self, FileError> {
         let is_setting = |key: &str| SETTINGS.contains(&key);
-        // Keys first, so that a mistyped key is named before a missing one.
+        // Keys first, so that a mistyped key is reported before a missing one.
         let mut keys = Vec::new();
         for (key, item) in leaves(entries, &DISTRIBUTION) {
             if !is_setting(&key) {
@@ -103,7 +103,7 @@ impl Sample {
             text: "",
             node: Node::Table(settings.cloned().collect()),
         };
-        let form = "say how many runs it takes, such as points = 1000; seed and method may follow";
+        let form = "state the number of runs, such as points = 1000; seed and method may follow";
         let sample: Self = document.read("sample", &settings, form)?;
         let columns: usize = keys.iter().map(|(_, of)| of.each.unwrap_or(1)).sum();
         let points = sample.points;
@@ -111,7 +111,7 @@ impl Sample {
             let what = format!("`points` is no whole number from 2 to {MOST_POINTS}");
             (what, "write points = 1000".to_owned())
         } else if keys.is_empty() {
-            let remedy = format!("name what is uncertain, such as gear.backlash_m; {FORMS}");
+            let remedy = format!("name an uncertain key, such as gear.backlash_m; {FORMS}");
             ("the sample has no key of the scene".to_owned(), remedy)
         } else if sample.method == Method::Sobol && columns > MOST_SOBOL {
             let what = format!(
@@ -129,10 +129,10 @@ impl Sample {
         Err(document.fault(line, what, remedy))
     }
 
-    /// Returns the sample as an axis. `scene` has the means of distributions that state none.
+    /// Returns the sample as an axis; distributions without a mean use the value of `scene`.
     ///
     /// # Errors
-    /// Names the key.
+    /// Fault with the key.
     pub(super) fn axis(&self, scene: &CheckedScene) -> Result<Axis, String> {
         let mut rng = Rng::new(u64::from(self.seed));
         let mut columns = 0;
@@ -143,7 +143,7 @@ impl Sample {
                 Method::Random => (0..self.points).map(|_| rng.share()).collect(),
                 Method::Sobol => {
                     let at = |k: usize| sobol_burley::sample(k as u32, columns - 1, self.seed);
-                    // Points lie on a grid of 2^-24: the middle of their cell is never an end.
+                    // Points are on a grid of 2^-24; the middle of a cell is never an end.
                     let middle = |k| f64::from(at(k)) + 0.5_f64.powi(25);
                     (0..self.points).map(middle).collect()
                 }
@@ -217,7 +217,7 @@ impl Distribution {
         key: &str,
         scene: &CheckedScene,
     ) -> Result<impl Fn(f64) -> f64 + use<>, String> {
-        // Errors of parts that the scene leaves out are 0.
+        // Errors of parts that are missing in the scene are 0.
         let none = || key.starts_with("gear.errors.").then_some(0.0);
         let middle = || {
             self.mean.or_else(|| scene.number(key)).or_else(none).ok_or_else(|| {
@@ -254,7 +254,7 @@ impl Distribution {
         let high = ends[1].unwrap_or(f64::INFINITY);
         Ok(move |share: f64| match shape {
             None => low + (high - low) * share,
-            // A first share may be 0, which has no quantile.
+            // The first share may be 0, which has no quantile.
             Some((normal, below, kept)) => normal
                 .inverse_cdf((below + kept * share).max(f64::MIN_POSITIVE))
                 .clamp(low, high),

@@ -3,11 +3,11 @@
 use pinwheel_files::{Document, FileError, Item};
 use serde::{Deserialize, Serialize};
 
-/// A limit of a specification, on a column of the results.
+/// Limit of a specification on a column of the results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "a table with `least` or `most`")]
 pub struct Limit {
-    /// The column.
+    /// Name of the column.
     #[serde(skip_deserializing)]
     pub figure: String,
     /// Least permitted value.
@@ -17,7 +17,7 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Returns true if a figure keeps the limit; a missing figure does not.
+    /// True if a figure is within the limit; a missing figure is not.
     #[must_use]
     pub fn holds(&self, value: Option<f64>) -> bool {
         value.is_some_and(|x| {

@@ -1,18 +1,18 @@
-//! The figures of one quantity, and the columns they take.
+//! Figures of one quantity, with their columns.
 
 use pinwheel_timeseries::norms::Statistics;
 use serde::{Deserialize, Serialize};
 
-/// Figures of one quantity over the window, all its channels together.
+/// Figures of one quantity over the window, jointly over its channels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WindowStatistics {
-    /// The figures.
+    /// Values of the figures.
     #[serde(flatten)]
     pub statistics: Statistics,
-    /// Distance of the means of the window's halves from its mean, the effect of the window's place.
+    /// Distance of the means of the window's halves from its mean, the effect of the window's position.
     #[serde(default)]
     pub drift: f64,
-    /// Uncertainty of the figures by what lies between samples.
+    /// Uncertainty of the figures from sampling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Statistics>,
 }
@@ -26,7 +26,7 @@ pub(super) const FIGURES: [(&str, fn(&Statistics) -> f64); 5] = [
     ("peak", |s| s.peak),
 ];
 
-/// Columns of figures that runs with these quantities may have; without motion there are none.
+/// Returns the columns of figures that runs with these quantities may have; none without motion.
 pub(super) fn columns_of<'a>(
     quantities: impl Iterator<Item = &'a str>,
     moves: bool,

@@ -1,4 +1,4 @@
-//! Figures of balances as an engine of sweeps: no motion, so no time series, but figures of `pinwheel design` by their keys.
+//! Statics as an engine of sweeps: no time series, but figures of `pinwheel design` by their keys.
 
 use std::time::Instant;
 
@@ -16,10 +16,10 @@ use crate::balances::poses::Poses;
 use crate::balances::solve::at_poses;
 use crate::control::of_scene;
 
-/// Its name in sweeps.
+/// Name of the engine in sweeps.
 pub const STATICS: &str = "statics";
 
-/// Figures of a design that the results hold, each with its statistic over the mesh; empty: the figure itself.
+/// Figures of a design in the results, each with its statistic over the mesh; empty for the figure itself.
 const FIGURES: [(&str, &FigureDef); 12] = [
     ("", &defs::LOST_MOTION),
     ("mean", &defs::LOST_MOTION),
@@ -35,7 +35,7 @@ const FIGURES: [(&str, &FigureDef); 12] = [
     ("", &defs::BEARING_FORCE),
 ];
 
-/// Definitions of the columns.
+/// Returns the definitions of the columns.
 pub(super) fn columns() -> impl Iterator<Item = FigureDef> {
     FIGURES.into_iter().map(|(statistic, def)| match statistic {
         "" => def.clone(),
@@ -47,7 +47,7 @@ pub(super) fn columns() -> impl Iterator<Item = FigureDef> {
     })
 }
 
-/// Definition of a column of the results: of balances that of the design's figure, of others by the column's name.
+/// Returns the definition of a column of the results: the design figure's for statics, otherwise from the column's name.
 #[must_use]
 pub fn definition(column: &str) -> FigureDef {
     let balanced = columns().find(|def| def.key == column);
@@ -57,7 +57,7 @@ pub fn definition(column: &str) -> FigureDef {
     })
 }
 
-/// Figures of a design in the columns.
+/// Returns the figures of a design for the columns.
 fn figures(all: &[Figure]) -> Vec<Figure> {
     let figure = |(column, (statistic, def)): (FigureDef, (&str, &FigureDef))| {
         let figure = all.iter().find(|figure| figure.is(def))?;
@@ -71,7 +71,7 @@ fn figures(all: &[Figure]) -> Vec<Figure> {
     columns().zip(FIGURES).filter_map(figure).collect()
 }
 
-/// Balances in place of a run.
+/// Engine that solves equilibria instead of a run.
 pub(super) struct Statics;
 
 impl Engine for Statics {

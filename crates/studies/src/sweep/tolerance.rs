@@ -1,8 +1,8 @@
 //! Statistics of a sample: quantiles, sensitivities to each key, and the yield.
 //!
-//! * **Quantiles** with 95 % intervals between order statistics, whatever the distribution (W. J. Conover, Practical
-//!   Nonparametric Statistics, 1999, section 3.2). They hold for independent points; those of a hypercube or a Sobol sequence lie
-//!   more evenly, so that the intervals are too wide rather than too narrow.
+//! * **Quantiles** with 95 % intervals between order statistics, for any distribution (W. J. Conover, Practical Nonparametric
+//! Statistics, 1999, section 3.2). The intervals apply to independent points; those of a hypercube or a Sobol sequence are more
+//! uniform, so that the intervals are too wide rather than too narrow.
 //! * **Standardised regression coefficients** of the figure over the keys (A. Saltelli et al., Global Sensitivity Analysis, 2008,
 //!   section 1.2.5): the change of the figure, in its standard deviations, when a key changes by one of its own. For independent keys
 //!   their squares add up to R^2, the share of the figure's variance that a straight line explains.
@@ -32,7 +32,7 @@ const QUANTILES: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
 const CLASS: usize = 20;
 const CLASSES: usize = 30;
 
-/// A quantile.
+/// Quantile with its interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Quantile {
     /// Share of the values below it.
@@ -46,11 +46,11 @@ pub struct Quantile {
 /// Effect of a key on a figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
-    /// The key.
+    /// Name of the key.
     pub key: String,
-    /// Standardised regression coefficient; of a list of values the root of the sum of their squares. `None` with too few runs.
+    /// Standardised regression coefficient; for a list of values the root of the sum of squares. `None` with too few runs.
     pub coefficient: Option<f64>,
-    /// First-order Sobol index; of a list of values their sum. `None` with too few runs.
+    /// First-order Sobol index; for a list of values their sum. `None` with too few runs.
     pub first_order: Option<f64>,
 }
 
@@ -70,7 +70,7 @@ pub struct FigureOfSample {
     pub range: [f64; 2],
     /// Quantiles.
     pub quantiles: Vec<Quantile>,
-    /// Share of the variance that a straight line explains, R^2.
+    /// Share R^2 of the variance that a straight line explains.
     pub linear: Option<f64>,
     /// Effects of the keys, the strongest first.
     pub sensitivities: Vec<Sensitivity>,
@@ -87,22 +87,22 @@ pub struct Yield {
     pub share: f64,
     /// Interval of the share with 95 % confidence.
     pub interval: [f64; 2],
-    /// Share of the runs that keep each limit alone, in the order of the specification.
+    /// Share of the runs within each single limit, in the order of the specification.
     pub alone: Vec<f64>,
 }
 
 /// Results of the sample for one engine, at one point of the other varied keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SampleResult {
-    /// Engine.
+    /// Name of the engine.
     pub engine: String,
     /// Other varied keys with their values at this point, in words.
     pub varied: Vec<(String, String)>,
-    /// Runs, finished or not.
+    /// Number of runs, finished or not.
     pub runs: usize,
     /// Statistics of the figures that vary.
     pub figures: Vec<FigureOfSample>,
-    /// `None` without a specification.
+    /// Yield; `None` without a specification.
     #[serde(rename = "yield")]
     pub yielded: Option<Yield>,
 }
@@ -188,7 +188,7 @@ pub fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
     [low.unwrap_or(0.0), high.unwrap_or(1.0)]
 }
 
-/// A key with its values in all rows; one list for each element where the key is a list.
+/// Key with its values in all rows; one list for each element if the key is a list.
 type Input = (String, Vec<Vec<f64>>);
 
 fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<Input> {
@@ -321,7 +321,7 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
         sum * sum / members.len() as f64
     };
     let between: f64 = (0..classes).map(apart).sum();
-    // The variance of class means that noise alone would have.
+    // Variance of class means from noise alone.
     let [classes, runs] = [classes as f64, runs as f64];
     let share = between / total;
     Some((share - (1.0 - share) * (classes - 1.0) / (runs - classes)).max(0.0))

@@ -1,4 +1,4 @@
-//! Evidence that a file is as it was written.
+//! Evidence that a file is unchanged since it was written.
 
 use std::path::Path;
 use std::{fs, io};
@@ -6,11 +6,11 @@ use std::{fs, io};
 use pinwheel_files::fnv;
 use serde::{Deserialize, Serialize};
 
-/// Size and hash of a file when it was written; another size or hash shows that it is damaged.
+/// Size and hash of a file when it was written; a different size or hash indicates damage.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Written {
     bytes: u64,
-    /// FNV-1a, 64 bits, in hexadecimal.
+    /// Hash FNV-1a, 64 bits, in hexadecimal.
     fnv: String,
 }
 

@@ -1,8 +1,8 @@
-//! Definitions of a gear's figures, each once for tables, pages, files, sweeps and the comparison of two designs.
+//! Definitions of a gear's figures for tables, pages, files, sweeps and the comparison of two designs.
 
 use super::FigureDef;
 
-/// Significant digits of a figure of a design: what a data sheet gives.
+/// Significant digits of a design's figure, as in a data sheet.
 pub const DIGITS: u8 = 4;
 
 /// Definitions: key, what it is, unit, how it is counted; and their list.
@@ -36,7 +36,7 @@ definitions! { OF_DESIGNS, DIGITS;
     EXTERNAL_PRESSURE = "external_pressure_mpa", "largest pressure, external", "MPa",
         "line contact over the face width, edges left out";
     INTERNAL_PRESSURE = "internal_pressure_mpa", "largest pressure, internal", "MPa",
-        "likewise";
+        "line contact over the face width, edges left out";
     PRESSURE_SLIDING = "pressure_sliding_mpa_m_s", "largest pressure times sliding", "MPa m/s",
         "on pins that do not turn";
     BEARING_FORCE = "eccentric_bearing_force_n", "eccentric bearing, largest force", "N",
@@ -72,12 +72,12 @@ definitions! { OF_DESIGNS, DIGITS;
     HYSTERESIS_NO_LOAD = "hysteresis_no_load_arcmin", "hysteresis, no load", "arcmin",
         "likewise at a ten-thousandth of the load; with seals it contains the play";
     EFFICIENCY = "efficiency_rated_percent", "efficiency, rated", "%",
-        "by what a run loses";
+        "from the losses of a run";
     EFFICIENCY_SLOW = "efficiency_slow_percent", "efficiency, slow motion", "%",
-        "by statics: all that rubs slides as in the ideal mesh, at the rated load; 0 where it locks";
+        "by statics at the rated load: all parts with friction slide as in the ideal mesh; 0 if it locks";
 
     JOINT_BACKLASH = "joint_backlash_arcmin", "free play", "arcmin",
-        "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way";
+        "between both directions at a ten-thousandth of the rated torque, mean; without play the deflection of the first contacts";
     JOINT_STIFFNESS = "joint_stiffness_n_m_per_rad", "torsional stiffness", "N m/rad",
         "of the mean twist, between 50 and 100 % of the rated torque";
     JOINT_DEAD_BAND = "joint_dead_band_arcmin", "dead band of that stiffness alone", "arcmin",
@@ -85,16 +85,16 @@ definitions! { OF_DESIGNS, DIGITS;
     JOINT_DAMPING = "joint_damping_n_m_s_per_rad", "damping beside the stiffness", "N m s/rad",
         "of the contacts about the rated load";
     JOINT_FRICTION = "joint_friction_n_m", "friction, constant", "N m",
-        "at the output, fitted to what runs lose";
+        "at the output, fitted to the losses of runs";
     JOINT_FRICTION_OF_LOAD = "joint_friction_of_load_n_m", "friction, of the rated load", "N m",
-        "likewise; in proportion to the load";
+        "at the output, fitted to the losses of runs; in proportion to the load";
     JOINT_VISCOUS = "joint_viscous_n_m_s_per_rad", "friction, viscous", "N m s/rad",
-        "likewise; in proportion to the output's speed";
+        "at the output, fitted to the losses of runs; in proportion to the output's speed";
     JOINT_INPUT_INERTIA = "joint_input_inertia_kg_m2", "inertia at the input", "kg m^2",
         "input shaft, and the discs' masses on its eccentrics";
     JOINT_OUTPUT_INERTIA = "joint_output_inertia_kg_m2", "inertia at the output", "kg m^2",
         "output with its pins, and the discs, which turn with it";
-    JOINT_REFLECTED_INERTIA = "joint_reflected_inertia_kg_m2", "both, seen from the output", "kg m^2",
+    JOINT_REFLECTED_INERTIA = "joint_reflected_inertia_kg_m2", "inertia, reflected to the output", "kg m^2",
         "the input's times the ratio squared, and the output's";
 }
 

@@ -10,17 +10,17 @@ use super::{Figure, FigureDef};
 pub enum Judged {
     /// Equal to the last digit.
     Same,
-    /// Values differ by no more than both uncertainties together: no difference was shown.
+    /// Values differ by no more than the sum of both uncertainties.
     BelowUncertainty,
-    /// Values differ by more than both uncertainties together.
+    /// Values differ by more than the sum of both uncertainties.
     Differ,
-    /// Values differ, and their uncertainty is not known.
+    /// Values differ, but their uncertainty is unknown.
     NotKnown,
     /// One of the two values does not exist.
     Missing,
 }
 
-/// A figure of two gears or runs.
+/// Figure of two gears or runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Diff {
     /// Definition.
@@ -28,7 +28,7 @@ pub struct Diff {
     pub def: FigureDef,
     /// Both values.
     pub values: [Option<f64>; 2],
-    /// Numerical uncertainty of each value; `None` where it is not known.
+    /// Numerical uncertainty of each value; `None` if unknown.
     pub uncertainty: [Option<f64>; 2],
     /// Judgement of the change.
     pub judged: Judged,
@@ -57,13 +57,13 @@ pub fn diff(a: &Figure, b: &Figure) -> Diff {
 }
 
 impl Diff {
-    /// Returns the figure of either.
+    /// Returns one of the two figures.
     #[must_use]
     pub fn figure(&self, k: usize) -> Figure {
         self.def.of(self.values[k], self.uncertainty[k])
     }
 
-    /// Returns how much more the second has, as a share of the first; `None` where there is nothing to take it of.
+    /// Returns the relative change from the first to the second; `None` without a reference.
     #[must_use]
     pub fn change(&self) -> Option<f64> {
         let [a, b] = self.values;

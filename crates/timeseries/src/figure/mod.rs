@@ -1,4 +1,4 @@
-//! A figure: a number with its definition, how far it may be off numerically, and its bands.
+//! Figure: a number with its definition, numerical uncertainty and bands.
 //!
 //! ```
 //! use pinwheel_timeseries::figure::{FigureDef, Judged, diff};
@@ -22,14 +22,14 @@ pub use spread::Spread;
 /// Definition of a figure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FigureDef {
-    /// Name for programs, which ends in the unit.
+    /// Name for programs, with the unit at its end.
     pub key: Cow<'static, str>,
     /// Name for people.
     #[serde(rename = "what")]
     pub label: Cow<'static, str>,
     /// Unit for people; empty for counts.
     pub unit: Cow<'static, str>,
-    /// Rule by which the figure is counted; empty where the label says it.
+    /// Rule by which the figure is evaluated; empty if the label states it.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub how: &'static str,
     /// Significant digits at most.
@@ -37,30 +37,30 @@ pub struct FigureDef {
     pub digits: u8,
 }
 
-/// A figure.
+/// Figure: definition, value and uncertainty.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
     /// Definition.
     #[serde(flatten)]
     pub def: FigureDef,
-    /// Value in the definition's unit; `None` where it does not exist.
+    /// Value in the definition's unit; `None` if undefined.
     pub value: Option<f64>,
     /// Reason why there is no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withheld: Option<String>,
-    /// Numerical uncertainty of the value; `None` where it is not known.
+    /// Numerical uncertainty of the value; `None` if unknown.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
-    /// Part of the uncertainty that sampling alone causes; `None` of what is no figure of samples.
+    /// Part of the uncertainty from sampling; `None` for a figure without samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampling: Option<f64>,
-    /// Values over the mesh, of what is one figure a pose.
+    /// Values over the mesh, for a figure evaluated at each pose.
     #[serde(flatten)]
     pub over_mesh: Option<OverMesh>,
-    /// Least and largest by the contact laws that may be right for these materials; `None` where none was compared.
+    /// Least and largest over the contact laws that may suit these materials; `None` if none was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_contact_law: Option<[f64; 2]>,
-    /// Least and largest by the fits that may be right; `None` where none was compared.
+    /// Least and largest over the possible fits; `None` if none was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_fit: Option<[f64; 2]>,
 }
@@ -80,7 +80,7 @@ pub struct OverMesh {
 }
 
 impl FigureDef {
-    /// Definition by literals.
+    /// Makes a definition from literals.
     #[must_use]
     pub const fn new(
         key: &'static str,
@@ -98,7 +98,7 @@ impl FigureDef {
         }
     }
 
-    /// Definition of a figure of a run or a scene, by names that are made there.
+    /// Makes the definition of a figure of a run or a scene, with computed names.
     pub fn named(
         key: impl Into<Cow<'static, str>>,
         label: impl Into<Cow<'static, str>>,
@@ -112,7 +112,7 @@ impl FigureDef {
         }
     }
 
-    /// Returns the figure of a value that may be off by `uncertainty`; a value that is not finite is none.
+    /// Returns the figure of a value with this uncertainty; a value that is not finite counts as missing.
     pub fn of(&self, value: impl Into<Option<f64>>, uncertainty: impl Into<Option<f64>>) -> Figure {
         let value = value.into().filter(|value| value.is_finite());
         Figure {
@@ -135,7 +135,7 @@ impl Figure {
         self.def.key == def.key
     }
 
-    /// Returns the figure without a value, and why it has none.
+    /// Returns the figure without a value, with the reason.
     #[must_use]
     pub fn withheld(self, why: impl Into<Option<String>>) -> Self {
         Self {
@@ -144,7 +144,7 @@ impl Figure {
         }
     }
 
-    /// Returns the figure with its values over the mesh, which may be off by the share `off`.
+    /// Returns the figure with its values over the mesh, whose relative uncertainty is `off`.
     #[must_use]
     pub fn over(self, spread: &Spread, off: f64) -> Self {
         let ends = [spread.min, spread.max];
@@ -178,8 +178,8 @@ impl Figure {
         both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
     }
 
-    /// Intervals by contact law and by fit that are wider than the figure is off numerically, each with its cause; the wider,
-    /// which leads, first.
+    /// Returns the intervals by contact law and by fit that exceed the numerical uncertainty, each with its cause, the widest
+    /// first.
     #[must_use]
     pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
         let off = self.uncertainty.unwrap_or(0.0);
@@ -193,7 +193,7 @@ impl Figure {
         bands
     }
 
-    /// The wider of these intervals.
+    /// Returns the widest of the [`bands`](Self::bands).
     #[must_use]
     pub fn band(&self) -> Option<[f64; 2]> {
         self.bands().first().map(|(_, band)| *band)

@@ -14,7 +14,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Returns the spread of `values`; not finite without any.
+    /// Returns the spread of `values`; not finite if empty.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0_u32);
         for value in values {

@@ -1,12 +1,12 @@
-//! The shift in time at which a record fits a run best.
+//! Time shift at which a record fits a run best.
 //!
-//! Both are put onto one even grid, four times as fine as the finer of the two. Pearson's correlation of each column they
-//! share is computed at every shift that leaves half of the shorter one in common: products by the Fourier transform, means
-//! and variances of the overlap by running sums. Of the mean over the columns the highest peak is taken, each by the parabola
-//! through three points. Gains and offsets of the sensors do not matter.
+//! Run and record are interpolated on one uniform grid, four times as fine as the finer of the two. Pearson's correlation of
+//! each common column is computed at every shift that leaves at least half of the shorter one overlapping: products by Fourier
+//! transform, means and variances by running sums. The shift is the highest peak of the mean over the columns, refined by a
+//! parabola through three points. Gains and offsets of the sensors do not matter.
 //!
-//! Near its peak the correlation falls as `c - k t^2/2`. A misfit `1 - c^2` that is all of one piece moves the peak by up to
-//! `sqrt((1 - c^2)/k)`, which is stated as the shift's uncertainty; noise of single samples moves it less.
+//! Near its peak the correlation falls as `c - k t^2/2`. A systematic misfit `1 - c^2` moves the peak by up to `sqrt((1 -
+//! c^2)/k)`, the stated uncertainty of the shift; noise of single samples moves it less.
 
 use realfft::RealFftPlanner;
 
@@ -14,13 +14,13 @@ use super::Offset;
 use super::resample::{usual_spacing, value_at};
 use crate::TimeSeries;
 
-/// Points of the even grid per sample: between the points of an oscillation of 8 samples the correlation falls by a fifteenth.
+/// Points of the uniform grid per sample: between the points of an oscillation of 8 samples the correlation falls by 1/15.
 const FINE: f64 = 4.0;
-/// Points of the even grid at most, run and record together.
+/// Largest number of points of the uniform grid, run and record together.
 const MOST: f64 = 1_048_576.0;
-/// Points of the shorter one at least.
+/// Smallest number of points of the shorter one.
 const FEWEST: usize = 40;
-/// Shifts that fit this much worse, as a share of what is missing to a perfect fit, fit as well.
+/// Largest loss, as a share of the misfit `1 - c`, with which another shift fits as well.
 const AS_WELL: f64 = 0.05;
 /// Smallest gain of correlation that counts.
 const GAIN: f64 = 1e-3;
@@ -30,25 +30,25 @@ const PARABOLA: f64 = 0.05;
 const FLAT: f64 = 1e-9;
 /// Largest variation of a column, as a share of its size, that counts as rounding.
 const ROUNDING: f64 = 1e-12;
-/// Below this correlation, which is a quarter of the variation, a record is nothing like the run.
+/// Correlation, a quarter of the variation, below which record and run are unrelated.
 const UNLIKE: f64 = 0.5;
-/// Overlaps smaller than this share of the shorter one are pointed out.
+/// Overlap, as a share of the shorter one, below which a warning is given.
 const SMALL_OVERLAP: f64 = 0.9;
 
-/// A shift that fits.
+/// Time shift with its quality of fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shift {
-    /// To be added to the record's times, s.
+    /// Shift to be added to the record's times, s.
     pub seconds: f64,
     /// Uncertainty of the shift, s.
     pub uncertainty_s: f64,
-    /// Mean correlation there, at most 1.
+    /// Mean correlation at the shift, at most 1.
     pub correlation: f64,
-    /// Mean correlation without a shift; 0 where less than half is in common.
+    /// Mean correlation without a shift; 0 with less than half overlapping.
     pub unshifted: f64,
-    /// The nearest other shift that fits as well, s.
+    /// Nearest other shift that fits as well, s.
     pub rival: Option<f64>,
-    /// Share of the shorter one that both have in common at this shift.
+    /// Overlap at the shift, as a share of the shorter one.
     pub overlap: f64,
 }
 
@@ -61,7 +61,7 @@ impl Shift {
             && 1.0 - self.correlation < 0.7 * (1.0 - self.unshifted)
     }
 
-    /// Message with the offset to write into the map. `before` is the offset there now.
+    /// Returns a message with the offset to write into the map. `before` is its present offset.
     #[must_use]
     pub fn message(&self, reference: &str, before: Offset) -> String {
         let tidy = |seconds: f64| {
@@ -76,7 +76,7 @@ impl Shift {
         if let Some(rival) = self.rival {
             let rival = tidy(rival);
             fit += &format!(
-                "; two maxima are equal: it fits as well shifted by {rival} s, for its signals repeat"
+                "; two maxima are equal: it fits as well shifted by {rival} s, because its signals repeat"
             );
         }
         if self.overlap < SMALL_OVERLAP {
@@ -99,7 +99,7 @@ impl Shift {
 /// Returns the shift at which `record` fits `run` best.
 ///
 /// # Errors
-/// Why there is none: no column that both have changes, too little is in common, or nothing is alike.
+/// Reason for a missing shift: no common column that varies, too little overlap, or no similarity.
 pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     let ends = |series: &TimeSeries| {
         let times = series.time_s();
@@ -122,7 +122,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     }
     let half = (shorter / 2) as isize;
     let (n, m) = (n as isize, m as isize);
-    // The record's sample 0 lies at the run's sample `first + k`.
+    // Sample 0 of the record is at sample `first + k` of the run.
     let first = half - m;
     let mut fits = vec![0.0; (n + m - 2 * half + 1) as usize];
     let mut columns = 0.0;
@@ -151,7 +151,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     }
     fits.iter_mut().for_each(|fit| *fit /= columns);
     let three = |k: usize| [fits[k - 1], fits[k], fits[k + 1]];
-    // Each peak with its height.
+    // Peaks with their heights.
     let peaks = (1..fits.len() - 1).filter_map(|k| {
         let [left, middle, right] = three(k);
         let bend = 2.0 * middle - left - right;
@@ -166,7 +166,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     };
     if height < UNLIKE {
         return Err(format!(
-            "it is nowhere like the run (correlation {height:.2} at most)"
+            "it resembles the run nowhere (correlation {height:.2} at most)"
         ));
     }
     let seconds = |k: f64| from.0 + (first as f64 + k) * step - to.0;
@@ -200,7 +200,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     })
 }
 
-/// Values less their mean, with running sums of the values and of their squares.
+/// Values less their mean, with running sums of values and squares.
 struct Evaluation {
     values: Vec<f64>,
     running: Vec<[f64; 2]>,
@@ -226,7 +226,7 @@ impl Evaluation {
         self.running.last().map_or(0.0, |[_, squares]| *squares)
     }
 
-    /// Returns sum and variation of `count` values from `from` on; the variation is 0 where the values are flat.
+    /// Returns sum and variation of `count` values from `from` on; the variation of flat values is 0.
     fn part(&self, from: isize, count: isize) -> (f64, f64) {
         let [start, end] = [from, from + count].map(|k| self.running[k as usize]);
         let sum = end[0] - start[0];
@@ -237,7 +237,7 @@ impl Evaluation {
 }
 
 /// Returns Pearson's correlation over the overlap of `a` and `b`, where `b` begins at `place` in `a`. `product` is the sum of
-/// products over the overlap. The result is 0 where `a` or `b` does not change there.
+/// products over the overlap. The result is 0 where `a` or `b` is constant.
 fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f64 {
     let from = place.max(0);
     let to = (a.values.len() as isize).min(place + b.values.len() as isize);
@@ -251,7 +251,7 @@ fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f6
     }
 }
 
-/// Sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
+/// Returns the sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
 fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
@@ -272,7 +272,7 @@ fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
         *bin = *bin * other.conj() / length as f64;
     }
     let mut sums = back.make_output_vec();
-    // The first and the last bin are real but for rounding.
+    // The first and the last bin are real up to rounding.
     for end in [0, bins.len() - 1] {
         bins[end].im = 0.0;
     }

@@ -3,7 +3,7 @@
 use super::error::short;
 use super::map::FileFormat;
 
-/// A number as the file writes it; or why it is none.
+/// Parses a number in the file's format, or returns the reason why it is none.
 pub(super) fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
     let comma = format.decimal == ",";
     let parsed = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
@@ -35,7 +35,7 @@ pub(super) fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
             whole.replace(is_mark, "") + rest
         }
     };
-    // Fortran writes 1.5D-03 for a double, some spreadsheets a minus that is no hyphen.
+    // Fortran writes 1.5D-03 for a double, and some spreadsheets a minus sign that is no hyphen.
     let plain = plain.replace(decimal, ".").replace(['D', 'd'], "E");
     let plain = plain.replace('\u{2212}', "-");
     parsed(&plain).ok_or_else(|| {
@@ -51,7 +51,7 @@ pub(super) fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
     })
 }
 
-/// Seconds since midnight of a clock time `hh:mm:ss.fff`, which may have a date before it.
+/// Returns the seconds since midnight of a clock time `hh:mm:ss.fff`, optionally after a date.
 pub(super) fn clock(text: &str) -> Option<f64> {
     let text = text.strip_suffix('Z').unwrap_or(text);
     let (_, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));

@@ -6,7 +6,7 @@
 pub struct ForeignError(pub(super) String);
 
 impl ForeignError {
-    /// Makes the error of a file that cannot be read.
+    /// Returns the error of a file that cannot be read.
     pub fn unreadable(error: impl std::fmt::Display) -> Self {
         Self(format!(
             "cannot be read: {error}; give a text file of separated values"
@@ -24,7 +24,7 @@ pub fn first_of(list: &[String], most: usize, between: &str) -> String {
     first.join(between)
 }
 
-/// A foreign text inside a message: one line, short.
+/// Shortens a foreign text to one line for a message.
 pub(super) fn short(text: &str) -> String {
     pinwheel_files::cut(text, 40)
 }

@@ -6,21 +6,21 @@ use std::io::{self, BufRead, BufReader, Cursor, Read};
 use super::error::{ForeignError, first_of, short};
 use super::map::{ColumnRef, FileFormat};
 
-/// Columns of a file without a header at most.
+/// Largest number of columns of a file without a header.
 const MOST_COLUMNS: usize = 10_000;
 
 /// Rows of cells with their line numbers.
 pub(super) struct Lines<'a> {
     reader: csv::Reader<Box<dyn BufRead + 'a>>,
     record: csv::ByteRecord,
-    /// Lines before the reader's first.
+    /// Number of lines before the reader's first.
     skipped: usize,
-    /// Any number of blanks stands between cells; comments may be indented then.
+    /// True if blanks separate the cells; comments may then be indented.
     pub(super) blanks: bool,
     comment: Option<u8>,
 }
 
-/// First bytes of files that are no text, and what they are.
+/// First bytes of files that are not text, with their type.
 const NO_TEXT: [(&[u8], &str); 6] = [
     (
         b"PK\x03\x04",
@@ -33,7 +33,7 @@ const NO_TEXT: [(&[u8], &str); 6] = [
     (b"PAR1", "a Parquet file"),
 ];
 
-/// The text without its mark, as UTF-8 where its first bytes show UTF-16, which spreadsheets and loggers write.
+/// Returns the text as UTF-8 without its byte order mark; its first bytes reveal UTF-16, which spreadsheets and loggers write.
 fn decoded<'a>(source: impl Read + 'a) -> io::Result<Box<dyn BufRead + 'a>> {
     let mut source = BufReader::new(source);
     let start = source.fill_buf()?;
@@ -44,7 +44,7 @@ fn decoded<'a>(source: impl Read + 'a) -> io::Result<Box<dyn BufRead + 'a>> {
     let pair = match start {
         [0xff, 0xfe, ..] => u16::from_le_bytes,
         [0xfe, 0xff, ..] => u16::from_be_bytes,
-        // Without a mark the first letter shows it.
+        // Without a byte order mark the first letter reveals the byte order.
         [first, 0, ..] if *first > 0 => u16::from_le_bytes,
         [0, second, ..] if *second > 0 => u16::from_be_bytes,
         start => {
@@ -86,13 +86,13 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The next row that is not empty.
+    /// Returns the next row that is not empty.
     pub(super) fn next(&mut self) -> Result<Option<(usize, Vec<String>)>, ForeignError> {
         let unreadable = ForeignError::unreadable;
         while (self.reader.read_byte_record(&mut self.record)).map_err(unreadable)? {
             let mut cells = Vec::new();
             for cell in &self.record {
-                // Old exports are Latin-1: names and units may hold what is no UTF-8.
+                // Old exports are Latin-1: names and units may contain invalid UTF-8.
                 let cell = String::from_utf8_lossy(cell);
                 if self.blanks {
                     cells.extend(cell.split_whitespace().map(str::to_owned));
@@ -143,7 +143,7 @@ impl<'a> Lines<'a> {
 /// Names of the file's columns.
 pub(super) struct Header {
     pub(super) names: Vec<String>,
-    /// Index of each name's first column and of its second; empty without a header, as columns then go by number only.
+    /// Index of each name's first column and of its second; empty without a header, where columns have numbers only.
     places: HashMap<String, (usize, Option<usize>)>,
 }
 
@@ -153,7 +153,7 @@ impl Header {
         name.unwrap_or_else(|| (index + 1).to_string())
     }
 
-    /// Returns the index of a column, if it is there.
+    /// Returns the index of a column; `None` if missing.
     pub(super) fn find(
         &self,
         key: &str,
@@ -190,7 +190,7 @@ impl Header {
         })
     }
 
-    /// The first numbered column of a pattern that stands outside of `numbers`.
+    /// Returns the first numbered column of a pattern whose number is outside of `numbers`.
     pub(super) fn outside(
         &self,
         pattern: &ColumnRef,

@@ -1,4 +1,4 @@
-//! The map of a foreign file (TOML): which column is what.
+//! Map of a foreign file (TOML): the meaning of its columns.
 //!
 //! ```toml
 //! name = "adams"
@@ -24,12 +24,12 @@ use serde::Deserialize;
 
 use crate::units;
 
-/// Lines and numbers that a map skips at most.
+/// Largest number of lines that a map skips, and largest number in it.
 const MOST_LINES: usize = 1_000_000;
-/// Files beside the participants' folders in an output; compared without case, as some file systems do.
+/// Files beside the participants' folders in an output, compared without case, as on some file systems.
 const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
 
-/// True if a participant of that name would take the place of a file of the report.
+/// True if a participant of that name would overwrite a file of the report.
 #[must_use]
 pub fn is_reserved(name: &str) -> bool {
     RESERVED
@@ -37,29 +37,29 @@ pub fn is_reserved(name: &str) -> bool {
         .any(|taken| name.eq_ignore_ascii_case(taken))
 }
 
-/// A map.
+/// Map of a foreign file.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Map {
-    /// Name in the comparison: letters, digits, `-`, `_` and `.`; the file's if left out.
+    /// Name in the comparison: letters, digits, `-`, `_` and `.`; default: the file's name.
     pub name: Option<String>,
     /// Version of the program or rig behind the data.
     pub version: String,
-    /// One line on what it is.
+    /// One-line description of the data.
     pub summary: String,
     /// Differences from the scene, in plain words.
     pub differences: String,
     /// Format of the file.
     pub file: FileFormat,
-    /// The time.
+    /// Time column.
     pub time: TimeColumn,
-    /// Our names and where their values stand. A name may hold one `*` for a number.
+    /// Pinwheel's columns with their sources. A name may contain one `*` for a number.
     pub columns: BTreeMap<String, Source>,
     /// Treatment of rows that cannot be read.
     pub rows: Rows,
     /// Interpolation to the run's sample times.
     pub resample: Resampling,
-    /// Limits that the comparison holds this set against; without any nothing of it is judged.
+    /// Limits for this set; without limits it is not judged.
     pub limits: Vec<StatedLimit>,
 }
 
@@ -75,7 +75,7 @@ pub struct FileFormat {
     pub thousands: Option<String>,
     /// Lines before the header.
     pub skip_lines: usize,
-    /// True if a row names the columns; without it they are named by number.
+    /// True if a row names the columns; otherwise they have numbers.
     pub header: bool,
     /// Rows between the header and the data, for example of units.
     pub lines_after_header: usize,
@@ -97,13 +97,13 @@ impl Default for FileFormat {
     }
 }
 
-/// A column by name, or by number, the first being 1.
+/// Reference to a column by name, or by number from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub enum ColumnRef {
-    /// Name in the header, without blanks around it.
+    /// Name in the header, without surrounding blanks.
     Name(String),
-    /// 1, 2, ...
+    /// Column number: 1, 2, ...
     Number(usize),
 }
 
@@ -116,17 +116,17 @@ impl std::fmt::Display for ColumnRef {
     }
 }
 
-/// The time: `factor * unit * value + offset_s`; a factor below 0 for an angle that falls.
+/// Time column: `factor * unit * value + offset_s`; a factor below 0 for an angle that falls.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeColumn {
-    /// Column that holds the time.
+    /// Column of the time.
     pub column: ColumnRef,
     /// Unit of the time.
     pub unit: String,
-    /// A further factor.
+    /// Additional factor.
     pub factor: f64,
-    /// Added.
+    /// Offset to be added.
     pub offset_s: Offset,
 }
 
@@ -143,7 +143,7 @@ pub enum Offset {
     Word(Word),
 }
 
-/// A word in the place of a number.
+/// Keyword instead of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Word {
@@ -152,7 +152,7 @@ pub enum Word {
 }
 
 impl Offset {
-    /// Offset known before there is a run, s; 0 where alignment decides.
+    /// Returns the offset known before the run, s; 0 for alignment.
     #[must_use]
     pub fn seconds(self) -> f64 {
         match self {
@@ -180,31 +180,31 @@ impl Default for TimeColumn {
     expecting = "a column is \"NAME\" or { column = \"NAME\", unit = \"N mm\", factor = 1.0, offset = 0.0, first = 0 } or { magnitude_of = [\"FX\", \"FY\"] } or { sum_of = { OUT = 1.0, IN = 0.0667 }, unwrap = true }"
 )]
 pub enum Source {
-    /// A column in our unit.
+    /// Column in Pinwheel's unit.
     Plain(ColumnRef),
-    /// Everything else.
+    /// Source with unit, factor or several columns.
     Full(FullSource),
 }
 
-/// A column with its unit: `factor * unit * value + offset`.
+/// Column with its unit: `factor * unit * value + offset`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FullSource {
-    /// The column; one `*` stands for a number where our name has one.
+    /// Column; one `*` stands for the number in Pinwheel's name.
     pub column: Option<ColumnRef>,
-    /// Columns whose root of the sum of squares is the value, for components of a force.
+    /// Components of a force: the value is the root of the sum of squares of these columns.
     pub magnitude_of: Vec<ColumnRef>,
-    /// Columns whose sum is the value, each times a number: `out - in/ratio` for an error of transmission.
+    /// Columns with weights: the value is their weighted sum, `out - in/ratio` for a transmission error.
     pub sum_of: BTreeMap<String, f64>,
-    /// Unit of the column; ours if left out.
+    /// Unit of the column; default: Pinwheel's.
     pub unit: Option<String>,
-    /// A further factor, for example -1 for the other sign.
+    /// Additional factor, for example -1 to change the sign.
     pub factor: f64,
-    /// Added, in our unit.
+    /// Offset to be added, in Pinwheel's unit.
     pub offset: f64,
-    /// Number of the file that is our 0.
+    /// Number in the file that corresponds to Pinwheel's 0.
     pub first: usize,
-    /// Unwrapping of an angle that begins anew after each turn.
+    /// Unwrapping of an angle that restarts after each turn.
     pub unwrap: Unwrap,
     /// Uncertainty of the values.
     pub uncertainty: Option<ColumnUncertainty>,
@@ -226,21 +226,21 @@ impl Default for FullSource {
     }
 }
 
-/// Unwrapping of an angle that begins anew after each turn.
+/// Unwrapping of an angle that restarts after each turn.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     untagged,
-    expecting = "unwrap is neither true nor the number after which the column begins anew"
+    expecting = "unwrap is neither true nor the number after which the column starts again"
 )]
 pub enum Unwrap {
-    /// After a turn in the column's unit, or never.
+    /// After a turn in the column's unit if true; never if false.
     Turn(bool),
-    /// After so much, in the column's own numbers.
+    /// After this value, in the column's own numbers.
     After(f64),
 }
 
-/// Uncertainty of a column's values: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
-/// are independent and add as squares.
+/// Uncertainty of a column's values: one standard deviation (half of a 95 % bound). The parts are independent and add as
+/// squares.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ColumnUncertainty {
@@ -248,14 +248,14 @@ pub struct ColumnUncertainty {
     pub absolute: f64,
     /// Share of the value.
     pub of_reading: f64,
-    /// Share of [`range`](Self::range), as data sheets of cells state it.
+    /// Share of [`range`](Self::range), as in data sheets of load cells.
     pub of_range: f64,
-    /// The full range of the cell, in our unit.
+    /// Full range of the cell, in Pinwheel's unit.
     pub range: f64,
 }
 
 impl ColumnUncertainty {
-    /// Standard uncertainty of values whose root mean square is `rms`, in our unit.
+    /// Returns the standard uncertainty of values whose root mean square is `rms`, in Pinwheel's unit.
     #[must_use]
     pub fn of(&self, rms: f64) -> f64 {
         self.absolute
@@ -274,22 +274,22 @@ impl ColumnUncertainty {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rows {
-    /// See [`BadRows`].
+    /// Treatment of bad rows, see [`BadRows`].
     pub bad: BadRows,
-    /// See [`Twice`].
+    /// Treatment of repeated times, see [`Twice`].
     pub twice: Twice,
 }
 
-/// Choice of the row that counts where an instant is written more than once, as before and after an event.
+/// Choice among rows with equal times, as before and after an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Twice {
-    /// The last one, with what is after the event.
+    /// Last row, the state after the event.
     #[default]
     Last,
-    /// The first one.
+    /// First row, the state before the event.
     First,
-    /// None: an error that names the first such instant.
+    /// Error that names the first repeated time.
     Refuse,
 }
 
@@ -304,13 +304,13 @@ pub enum BadRows {
     Skip,
 }
 
-/// Interpolation to the run's sample times where the file has others.
+/// Interpolation to the run's sample times.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Resampling {
-    /// Between the samples.
+    /// Interpolation between the samples.
     pub method: Method,
-    /// Gaps longer than this many of the spacings around them are not bridged, unless the signals run straight on across them.
+    /// Longest gap to interpolate, in neighbouring spacings; longer gaps only where the signals continue in a straight line.
     pub longest_gap: f64,
 }
 
@@ -327,14 +327,14 @@ impl Default for Resampling {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// The cubic through the four nearest.
+    /// Cubic through the four nearest samples.
     Cubic,
-    /// The straight line.
+    /// Straight line between two samples.
     Linear,
 }
 
 impl Method {
-    /// The word of the map.
+    /// Returns the word in the map.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -344,25 +344,25 @@ impl Method {
     }
 }
 
-/// A limit that the user states.
+/// Limit stated by the user.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatedLimit {
-    /// Quantity, a pattern (`*` for any characters).
+    /// Pattern of quantities (`*` for any characters).
     pub quantity: String,
     /// `steady`, `transient` or `whole`.
     pub window: String,
     /// `relative-l2`, `relative-linf`, `mean`, `peak`, `rms` or `sprague-geers`.
     pub metric: String,
-    /// The limit.
+    /// Largest permitted value of the metric.
     pub limit: f64,
-    /// Why it is what it is.
+    /// Reason of the limit.
     #[serde(default)]
     pub reason: String,
 }
 
 impl Map {
-    /// The uncertainty stated for a channel of ours.
+    /// Returns the stated uncertainty of a channel of Pinwheel.
     #[must_use]
     pub fn uncertainty_of(&self, channel: &str) -> Option<ColumnUncertainty> {
         let fits = |name: &str| match name.split_once('*') {
@@ -383,7 +383,7 @@ impl Map {
     /// Reads a map.
     ///
     /// # Errors
-    /// Returns the fault, its place and the remedy.
+    /// Fault with place and remedy.
     pub fn from_toml(text: &str, source_name: &str) -> Result<Self, FileError> {
         const FORM: &str = "see docs/foreign-data.md for an example";
         let map: Self = pinwheel_files::read(text, source_name, FORM)?;
@@ -392,7 +392,7 @@ impl Map {
         Ok(map)
     }
 
-    /// Checks the map; an error holds the fault and the remedy.
+    /// Checks the map; an error states fault and remedy.
     fn check(&self) -> Result<(), Broken> {
         let Self { file, time, .. } = self;
         require(
@@ -468,20 +468,20 @@ impl Map {
         let sound = |limit: &StatedLimit| limit.limit > 0.0 && limit.limit.is_finite();
         require(
             self.limits.iter().all(sound),
-            "`limits` holds a limit that is not above 0",
+            "`limits` has a limit that is not above 0",
             "write limit = 0.05 for 5 %",
         )
     }
 }
 
-/// True if a folder can have the name on every system.
+/// True if every file system allows the name for a folder.
 fn plain(name: &str) -> bool {
     let known = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && name.len() <= 80 && !name.starts_with('.') && name.chars().all(known)
 }
 
 impl FileFormat {
-    /// The separator as CSV readers have it; `None` for blanks.
+    /// Returns the separator for the CSV reader; `None` for blanks.
     pub(super) fn separator_byte(&self) -> Option<u8> {
         match self.separator.as_str() {
             "," => Some(b','),
@@ -494,7 +494,7 @@ impl FileFormat {
 }
 
 impl Source {
-    /// Checks the source of our column `name`; an error holds the fault and the remedy.
+    /// Checks the source of Pinwheel's column `name`; an error states fault and remedy.
     fn check(&self, name: &str) -> Result<(), Broken> {
         let full = self.full();
         let stars = |text: &str| text.matches('*').count();
@@ -539,7 +539,7 @@ impl Source {
         require(
             stars(name) <= 1,
             "has more than one `*`",
-            "one stands for the pin's or disc's number",
+            "it stands for the pin's or disc's number",
         )?;
         require(
             full.columns().iter().all(|(column, _)| alike(column)),
@@ -565,7 +565,7 @@ impl Source {
         }
     }
 
-    /// Written out.
+    /// Returns the source in its full form.
     #[doc(hidden)]
     pub fn full(&self) -> FullSource {
         match self {
@@ -579,7 +579,7 @@ impl Source {
 }
 
 impl FullSource {
-    /// The columns it reads, each with its number in a sum.
+    /// Returns the columns of the source, each with its weight in a sum.
     pub(super) fn columns(&self) -> Vec<(ColumnRef, f64)> {
         let plain = self.column.iter().chain(&self.magnitude_of);
         let sum = self.sum_of.iter();

@@ -1,9 +1,8 @@
-//! Time series from elsewhere: a CSV of Adams, RecurDyn or a test rig, by a map of its columns.
+//! Time series of other sources: CSV files of Adams, RecurDyn or a test rig, read by a map of their columns.
 //!
-//! [`Map`] is the file that says which column is what, in which unit and from when; [`read`] gives
-//! the mapped columns on their own sample times with every row that could not be read named;
-//! [`shift`] finds the shift in time at which they fit a run best; [`resample`] puts them onto the times of a run and says
-//! what that costs.
+//! [`Map`] describes the columns: meaning, unit and time offset. [`read`] returns the mapped columns on their own sample times,
+//! and lists the rows that it could not read. [`shift`] returns the time shift of the best fit to a run; [`resample`]
+//! interpolates to the sample times of a run and estimates the error.
 //!
 //! ```
 //! use pinwheel_timeseries::foreign::{Map, read};

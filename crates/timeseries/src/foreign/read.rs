@@ -9,50 +9,50 @@ use super::lines::{Header, Lines};
 use super::map::{BadRows, ColumnRef, Map, Twice, Unwrap};
 use crate::{TimeSeries, columns, group_of, units};
 
-/// Bad rows kept with their reason; the others are counted as one.
+/// Largest number of bad rows listed with their reason.
 const MOST_NAMED: usize = 1000;
-/// Rows that must be left.
+/// Smallest number of good rows.
 const FEWEST_ROWS: usize = 10;
 
-/// Columns of ours that one of the file may feed: thousands would make a small file a large one in memory.
+/// Largest number of Pinwheel's columns from one column of the file, so that a small file needs no large memory.
 const MOST_USES: usize = 16;
 
-/// Largest magnitude of a value in our units: squares and sums of such stay finite.
+/// Largest magnitude of a value in Pinwheel's units, whose squares and sums stay finite.
 const LARGEST: f64 = 1e100;
 
-/// Instants nearer to each other than this share of the mean spacing are one: at so steep a step nothing can be interpolated.
+/// Spacing, as a share of the mean, below which two times are equal: so steep a step cannot be interpolated.
 const ONE_INSTANT: f64 = 1e-6;
 
-/// A magnitude of a force may go below 0 by this share of its largest value, as cells do by noise and drift.
+/// Largest negative value of a force magnitude, as a share of its largest value: noise and drift of load cells.
 const BELOW_ZERO: f64 = 0.05;
 
 /// Content of a foreign file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
-    /// The mapped columns on the file's own times, in our units.
+    /// Mapped columns on the file's own times, in Pinwheel's units.
     pub time_series: TimeSeries,
     /// Rows that were left out.
     pub bad: Vec<String>,
     /// Rows of data in the file.
     pub rows: usize,
-    /// Number of instants that are written more than once, and the first such instant, s.
+    /// Number of repeated times, and the first of them, s.
     pub twice: Option<(usize, f64)>,
 }
 
-/// Column of Pinwheel and the source of its values in the file.
+/// Column of Pinwheel with the source of its values in the file.
 struct Wanted {
     name: String,
-    /// The file's columns; several give a magnitude or a sum.
+    /// Columns of the file; several for a magnitude or a sum.
     from: Vec<Term>,
     is_magnitude: bool,
     factor: f64,
     offset: f64,
-    /// A turn in the file's numbers, if it is an angle.
+    /// One turn in the file's numbers, for an angle.
     turn: Option<f64>,
     unwrap: bool,
 }
 
-/// A column of the file, its number in a sum, and what it was in the last rows.
+/// Column of the file with its weight in a sum, last value and last change.
 struct Term {
     index: usize,
     weight: f64,
@@ -61,7 +61,7 @@ struct Term {
 }
 
 impl Wanted {
-    /// Returns its value in a row of which `cell` gives the numbers; `wraps` is called with the column where an angle begins anew.
+    /// Returns the value from the numbers `cell` of a row; calls `wraps` with the column if an angle restarts.
     fn value(
         &mut self,
         cell: impl Fn(usize) -> Result<f64, String>,
@@ -92,7 +92,7 @@ impl Wanted {
 }
 
 fn within(name: &str, value: f64) -> Result<f64, String> {
-    // NaN, too, is not within.
+    // NaN fails the comparison, too.
     if value.abs() <= LARGEST {
         return Ok(value);
     }
@@ -102,18 +102,18 @@ fn within(name: &str, value: f64) -> Result<f64, String> {
 /// Reads a file by its map.
 ///
 /// # Errors
-/// A column that is not there, or there twice; bad rows, unless the map skips them; too few rows that can be read; what is no
-/// angle, force or time as it stands.
+/// A missing or repeated column; bad rows, unless the map skips them; too few good rows; values that are no angle, force or
+/// time.
 pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignError> {
     let mut lines = Lines::new(source, &map.file)?;
     let header = lines.header(&map.file)?;
     let time_column = header.place("time.column", &map.time.column)?;
-    // The unit is known: the map was checked.
+    // The unit is known, because the map was checked.
     let time_unit = units::factor("time_s", &map.time.unit).unwrap_or(1.0);
     let mut wanted = wanted(map, &header)?;
     let is_name = |column: &ColumnRef| matches!(column, ColumnRef::Name(_));
     let sources = map.columns.values().flat_map(|s| s.full().columns());
-    // Between blanks no cell can be empty: with one too few, all that follow are another column's.
+    // No cell can be empty between blanks: a missing one shifts all that follow.
     let exact = lines.blanks
         && (is_name(&map.time.column) || sources.into_iter().any(|(column, _)| is_name(&column)));
     let (mut last_clock, mut midnights) = (0.0, 0.0);
@@ -150,7 +150,7 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
                     return Err(named(time_column, what));
                 }
                 Some(seconds) => {
-                    // The clock fell by most of a day: midnight has passed.
+                    // The clock fell by most of a day: midnight.
                     midnights += f64::from(u8::from(seconds < last_clock - 43_200.0));
                     last_clock = seconds;
                     86_400.0 * midnights + seconds
@@ -252,7 +252,7 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
     })
 }
 
-/// Keeps one row of each instant. Returns the number of instants written more than once, and the first such instant, s.
+/// Keeps one row of each time. Returns the number of repeated times and the first of them, s.
 fn once(times: &mut Vec<f64>, values: &mut [Vec<f64>], twice: Twice) -> Option<(usize, f64)> {
     let (first, last) = (*times.first()?, *times.last()?);
     let near = ONE_INSTANT * (last - first) / (times.len() - 1).max(1) as f64;
@@ -280,7 +280,7 @@ fn once(times: &mut Vec<f64>, values: &mut [Vec<f64>], twice: Twice) -> Option<(
     Some((repeated.len(), first))
 }
 
-/// Our columns, `*` written out; a plain name wins over a pattern.
+/// Returns Pinwheel's columns with each `*` expanded; a plain name takes precedence over a pattern.
 fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
     let mut list: Vec<Wanted> = Vec::new();
     let mut known: HashSet<String> = HashSet::new();
@@ -290,7 +290,7 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
         let full = source.full();
         let unit = full.unit.as_ref();
         let unit = unit.map(|unit| units::factor(name, unit).unwrap_or(1.0));
-        // A turn in the file's numbers: a factor beside a unit is a ratio of gears, without one it is the unit.
+        // One turn in the file's numbers: a factor beside a unit is a gear ratio, without a unit it is the unit.
         let turn = units::turn(name).map(|turn| turn / unit.unwrap_or(full.factor.abs()));
         let (turn, unwrap) = match full.unwrap {
             Unwrap::Turn(unwrap) => (turn, unwrap),

@@ -1,12 +1,11 @@
 //! Resampling of foreign time series to the sample times of a run.
 //!
-//! A sample of the file at a time of the run is taken unchanged. Elsewhere values come from
-//! the cubic through the four nearest samples (or the straight line). What that may cost is measured
-//! on the data itself: every second sample is left out and restored from the others, which errs by
-//! more than the interpolation that is used.
+//! Samples at a time of the run are taken unchanged. Between samples the cubic through the four nearest (or a straight line)
+//! applies. Its error is measured on the data: every second sample is omitted and restored from the others, with a larger error
+//! than that of the interpolation.
 //!
-//! Over a gap nothing is interpolated. Solvers of variable step write bursts of short steps and long ones where little happens, so
-//! a spacing is compared with the spacings around it, and is no gap where the signals run straight on across it.
+//! Gaps are not interpolated. Variable-step solvers write bursts of short steps, and long steps where little happens. So a
+//! spacing is compared with its neighbours, and is no gap if the signals continue in a straight line.
 
 use std::ops::Range;
 
@@ -15,38 +14,36 @@ use super::map::{Method, Resampling};
 use crate::TimeSeries;
 use crate::norms::relative_l2;
 
-/// A time counts as the file's own within this share of its spacing: a rounding.
+/// Largest distance of a time of the run from a sample, as a share of the spacing: a rounding.
 const SAME: f64 = 1e-6;
-/// Spacings on each side with which a gap is compared.
+/// Number of spacings on each side with which a gap is compared.
 const AROUND: usize = 4;
-/// A signal runs straight on across a gap if the slopes at both ends carry it past the other end by less than this share of
-/// its standard deviation.
+/// Largest miss of a straight continuation from both ends of a gap, as a share of the signal's standard deviation.
 const STRAIGHT: f64 = 0.05;
-/// Rows within the run at least, unless it has as few samples there.
+/// Smallest number of rows within the run, unless the run has fewer samples there.
 const FEWEST: usize = 10;
 
-/// Foreign time series on the times of a run.
+/// Foreign time series on the sample times of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resampled {
     /// Time series at all sample times of the run; NaN where the file has no data.
     pub time_series: TimeSeries,
     /// Start and end of the part of the run that the file covers, s.
     pub covers_s: [f64; 2],
-    /// Times of the run that were the file's own.
+    /// Number of the run's times at samples of the file.
     pub own: usize,
-    /// Times of the run that were interpolated.
+    /// Number of the run's times between samples of the file.
     pub interpolated: usize,
-    /// Largest relative L2 error of restoring left-out samples, over the columns, and the name of its column. `None` if
-    /// nothing was interpolated.
+    /// Largest relative L2 error of restored samples over the columns, with the column's name; `None` without interpolation.
     pub restores: Option<(f64, String)>,
-    /// Gaps of the file that were not bridged, s: only the longest stretch without one is used.
+    /// Gaps of the file, s: only the longest part without a gap is used.
     pub gaps_s: Vec<[f64; 2]>,
 }
 
-/// Puts `foreign` onto `times_s` (increasing).
+/// Interpolates `foreign` to `times_s` (increasing).
 ///
 /// # Errors
-/// The two have no time in common, or the file's rows are too dense or too rare for the run.
+/// No common time, or rows too dense or too sparse for the run.
 pub fn resample(
     foreign: &TimeSeries,
     times_s: &[f64],
@@ -126,10 +123,10 @@ pub fn resample(
     })
 }
 
-/// Place of a time among samples.
+/// Position of a time among samples.
 enum Place {
     At(usize),
-    /// Inside the interval that begins with this sample, at this time.
+    /// Time inside the interval that begins with this sample.
     Between(usize, f64),
 }
 
@@ -154,7 +151,7 @@ impl Place {
     }
 }
 
-/// The polynomial through the samples around the interval [k, k+1], at `t`.
+/// Evaluates the polynomial through the samples around the interval [k, k+1] at `t`.
 fn between(time: &[f64], values: &[f64], k: usize, t: f64, method: Method) -> f64 {
     let around = match method {
         Method::Linear => k..k + 2,
@@ -176,7 +173,7 @@ fn between(time: &[f64], values: &[f64], k: usize, t: f64, method: Method) -> f6
         .sum()
 }
 
-/// Relative L2 error of restoring every second sample from the others; `None` with too few.
+/// Returns the relative L2 error of restoring every second sample from the others; `None` with too few.
 fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
     let half = |list: &[f64]| list.iter().copied().step_by(2).collect::<Vec<f64>>();
     let (kept_time, kept) = (half(time), half(values));
@@ -216,15 +213,14 @@ pub(super) fn usual_spacing(time: &[f64]) -> f64 {
     median(spacings(time))
 }
 
-/// Returns the longest stretch without a gap, and all gaps. A gap is a spacing of more than `longest` times the spacings
-/// around it.
+/// Returns the longest part without a gap, and all gaps. A gap is a spacing of more than `longest` neighbouring spacings.
 fn longest_stretch(foreign: &TimeSeries, longest: f64) -> (Range<usize>, Vec<[f64; 2]>) {
     let time = foreign.time_s();
     let spacings = spacings(time);
     let around = |k: usize| {
         let before = &spacings[k.saturating_sub(AROUND)..k];
         let after = &spacings[k + 1..(k + 1 + AROUND).min(spacings.len())];
-        // The larger one: short steps end where long ones begin.
+        // Larger of the two sides, because short steps end where long ones begin.
         median(before.to_vec()).max(median(after.to_vec()))
     };
     let deviation = |values: &[f64]| {

@@ -1,4 +1,4 @@
-//! The shift in time between a run and a record.
+//! Time shift between a run and a record.
 
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::foreign::{Offset, shift};
@@ -13,13 +13,13 @@ fn series(from: f64, to: f64, step: f64, of: impl Fn(f64) -> f64) -> TimeSeries 
     series
 }
 
-/// A start-up: two vibrations that decay, on a slow swing.
+/// Start-up of two decaying vibrations on a slow oscillation.
 fn swing(t: f64) -> f64 {
     let ring = |decay: f64, hz: f64| (-t / decay).exp() * (TAU * hz * t).sin();
     1.4 + ring(0.05, 1200.0) + 0.5 * ring(0.1, 730.0) + 0.02 * (60.0 * t).sin()
 }
 
-/// A record of a twelfth of the run, of which the samples are 8 to an oscillation: 500 points over both would alias.
+/// A record of a twelfth of the run, with 8 samples to an oscillation: 500 points over both would alias.
 #[test]
 fn regress_a_short_record_is_placed_on_the_finer_grid() {
     let run = series(0.0, 0.6, 1e-4, swing);
@@ -40,7 +40,7 @@ fn regress_a_short_record_is_placed_on_the_finer_grid() {
     assert!((fine.seconds - 0.1).abs() < 1e-6, "{fine:?}");
 }
 
-/// The stated uncertainty bounds the error made, whatever gain and noise, and a vibration of another phase that moves the peak.
+/// The stated uncertainty bounds the error for any gain and noise, and with a vibration of another phase that moves the peak.
 #[test]
 fn regress_the_shifts_uncertainty_holds() {
     let run = series(0.0, 0.2, 1e-4, swing);
@@ -62,7 +62,7 @@ fn regress_the_shifts_uncertainty_holds() {
 #[test]
 fn nothing_is_advised_where_times_are_true() {
     let run = series(0.0, 0.6, 1e-4, swing);
-    // All of it, a part, and the last fortieth of it.
+    // All of the run, two parts of it, and its last fortieth.
     for (from, to, step) in [
         (0.0, 0.6, 1e-4),
         (0.05, 0.55, 1e-4),
@@ -80,7 +80,7 @@ fn regress_too_little_to_align_by_is_named() {
     let mut other = TimeSeries::new(run.time_s().to_vec()).unwrap();
     let values = run.time_s().iter().map(|t| t.sin()).collect();
     other.push("else_n", values).unwrap();
-    // The tip that both have is at the end of the one and at the beginning of the other.
+    // The common tip is at the end of one and at the beginning of the other.
     let tip = |at: f64| series(0.0, 0.02, 1e-4, move |t| (t - at).abs());
     for (record, part) in [
         (

@@ -1,4 +1,4 @@
-//! Series as CSV.
+//! Time series as CSV.
 
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 
@@ -13,7 +13,7 @@ fn round_trip_is_exact() {
     assert_eq!(TimeSeries::read_csv(bytes.as_slice()).unwrap(), time_series);
 }
 
-/// An index that other programs write first has no name: nothing could ask for it, and no file would keep it.
+/// A leading index column of other programs has no name, so it cannot be used.
 #[test]
 fn columns_without_a_name_are_left_out() {
     let read = TimeSeries::read_csv(",time_s,a_n\nx,0,1\ny,1,2\n".as_bytes()).unwrap();

@@ -29,7 +29,7 @@ fn huge_values_do_not_overflow() {
 fn nothing_and_non_finite() {
     assert!(Statistics::of(&View::new(vec![])).is_none());
     assert!(Statistics::of(&View::new(vec![&[]])).is_none());
-    // Wherever it stands: values are taken four at a time.
+    // At any position: values are processed four at a time.
     for place in 0..6 {
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut values = [1.0; 6];
@@ -41,7 +41,7 @@ fn nothing_and_non_finite() {
     assert!(View::new(vec![&[]]).mean().is_none());
 }
 
-/// A distance that is not a number is no small one.
+/// A distance that is NaN does not count as small.
 #[test]
 fn the_worst_of_two_distances() {
     let of = |forces: f64, driver_torque: f64| Distance {
@@ -58,7 +58,7 @@ fn the_worst_of_two_distances() {
     assert_eq!(of(2.0, 4.0).at_least(3.0), of(3.0, 4.0));
 }
 
-/// A force and a torque that are linear in time.
+/// Returns a force and a torque that are linear in time.
 fn time_series(times: &[f64], force: f64, torque: f64) -> TimeSeries {
     let mut time_series = TimeSeries::new(times.to_vec()).unwrap();
     let values = |slope: f64| times.iter().map(|t| slope * t).collect();
@@ -97,7 +97,7 @@ fn what_is_nothing_is_measured_by_the_least_load() {
     );
 }
 
-/// A series that is sampled less often, or written with rounding, is compared at its own times.
+/// A series with fewer samples, or with rounded times, is compared at its own times.
 #[test]
 fn samples_are_compared_at_their_times() {
     let fine = time_series(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);

@@ -1,10 +1,10 @@
-//! Files of other programs, read by a map.
+//! Reading of other programs' files by a map.
 
 use pinwheel_timeseries::foreign::*;
 
 const ROWS: usize = 40;
 
-/// Rows of a time each 0.1 ms and further cells, after a header.
+/// Returns a header and rows, one each 0.1 ms.
 fn rows(header: &str, row: impl Fn(usize) -> String) -> String {
     let rows: Vec<String> = (0..ROWS).map(row).collect();
     format!("{header}\n{}\n", rows.join("\n"))
@@ -23,7 +23,7 @@ const TORQUE: &str = "[columns]\ninput_torque_n_m = \"T\"\n";
 const ANGLE: &str =
     "[columns]\noutput_angle_rad = { column = \"A\", unit = \"deg\", unwrap = true }\n";
 
-/// Each text says that the value of row k is k/8 at k/10000 s.
+/// Each text has the value k/8 in row k, at k/10000 s.
 #[test]
 fn regress_writers_of_all_kinds_are_read() {
     let value = |k: usize| k as f64 / 8.0;
@@ -87,7 +87,7 @@ fn regress_writers_of_all_kinds_are_read() {
                 _ => format!("{}.{}00;{}", k / 10, k % 10, comma(value(k))),
             }).into_bytes(),
         ),
-        // An angle that falls, a sum, and a name of both: by number.
+        // A falling angle, a sum, and one name for two columns, chosen by number.
         (
             format!("[time]\ncolumn = \"phi\"\nfactor = -1e-3\n{TORQUE}"),
             rows("phi,T", |k| format!("{},{}", -0.1 * k as f64, value(k))).into_bytes(),
@@ -147,7 +147,7 @@ fn regress_angles_are_unwrapped() {
             "{error}"
         );
     }
-    // An angle of a ratio, between -180 and 180, each of a sum by itself.
+    // Angles between -180 and 180 with a ratio, each unwrapped before the sum.
     let half = |x: f64| (x + 180.0).rem_euclid(360.0) - 180.0;
     let text = rows("time_s,A,B", |k| {
         format!(
@@ -160,12 +160,12 @@ fn regress_angles_are_unwrapped() {
     let map = "[columns]\ntransmission_error_arcmin = { sum_of = { A = 1.0, B = 0.0666666666666667 }, unit = \"deg\", unwrap = true }";
     let series = found(map, &text).unwrap().time_series;
     assert!(series.channels()[0].values.iter().all(|v| v.abs() < 1e-6));
-    // A slow record of a fast shaft jumps too, always the same way.
+    // A slow record of a fast shaft also jumps, always in one direction.
     let fast = rows("time_s,A", |k| format!("{},{}", time(k), 400 * k));
     assert!(found(&ANGLE.replace(", unwrap = true", ""), fast).is_ok());
 }
 
-/// Before and after an event, at one instant or 1e-12 s apart.
+/// Rows before and after an event, at one time or 1e-12 s apart.
 #[test]
 fn regress_an_instant_written_twice_has_the_value_after() {
     for apart in [0.0, 1e-12] {
@@ -278,7 +278,7 @@ fn bad_input_is_refused_by_what_it_is() {
             "{part}: {error}"
         );
     }
-    // Noise of a cell about nothing is none.
+    // Noise of a load cell about zero is no negative force.
     let noise = rows("time_s,T", |k| {
         format!("{},{}", time(k), [-0.1, 9.0][k % 2])
     });

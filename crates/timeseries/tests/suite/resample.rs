@@ -1,4 +1,4 @@
-//! Records at a run's times.
+//! Records at the sample times of a run.
 
 use std::ops::Range;
 
@@ -37,7 +37,7 @@ fn own_times_are_taken_as_they_are() {
     assert!(found.restores.is_none() && found.gaps_s.is_empty());
 }
 
-/// The error that is told is larger than the one that is made, by any method.
+/// The stated error exceeds the actual one, for any method.
 #[test]
 fn the_told_error_bounds_the_made_one() {
     let times = even(200, 1e-3, 0.0);
@@ -86,7 +86,7 @@ fn long_gaps_are_not_bridged_and_short_ones_are() {
         long.covers_s
     );
 }
-/// Long steps, a burst of short ones in the middle of them, and growing ones: all of it is one stretch.
+/// Long steps with a burst of short ones between them, and growing ones, have no gap.
 #[test]
 fn regress_variable_steps_are_no_gaps() {
     let mut times = vec![0.0];
@@ -98,19 +98,19 @@ fn regress_variable_steps_are_no_gaps() {
     };
     go(1e-4, 100);
     go(5e-6, 400);
-    // As a solver's step grows after an event.
+    // A solver's step grows after an event.
     for grown in 0..4 {
         go(5e-6 * f64::from(1 << grown), 2);
     }
     go(1e-4, 80);
-    // An event and its two rows.
+    // Two rows of an event.
     go(3e-6, 1);
     go(9.7e-5, 1);
     go(1e-4, 5);
     let end = times[times.len() - 1];
     let found = resample(&wave(&times), &even(101, end / 100.0, 0.0), CUBIC).unwrap();
     assert_eq!((found.gaps_s.len(), found.covers_s), (0, [0.0, end]));
-    // Nor is a long step among short ones where nothing happens, but it is one where something does.
+    // A long step among short ones is a gap only if the signal changes.
     let mut rows: Vec<f64> = even(200, 1e-5, 0.0);
     rows.extend(even(200, 1e-5, 0.004));
     let run = even(50, 1e-4, 0.0);
@@ -123,7 +123,7 @@ fn regress_variable_steps_are_no_gaps() {
     assert_eq!((of(|t| 3.0 * t), of(|t| (2000.0 * t).sin())), (0, 1));
 }
 
-/// Two gaps in a row are two, each held against what lies around both.
+/// Two adjacent gaps are both detected, each compared with the spacings around both.
 #[test]
 fn regress_gaps_side_by_side_are_seen() {
     let times = even(101, 1e-3, 0.0);
@@ -149,7 +149,7 @@ fn bad_input_rows_that_never_meet_the_run_are_refused() {
             "{error}"
         );
     }
-    // A record that ends soon after the run began is compared where it is.
+    // A record that ends soon after the start of the run is compared there.
     let few = resample(&wave(&even(205, 1e-4, -0.02)), &times, CUBIC).unwrap();
     assert_eq!(few.own, 5);
 }

@@ -1,4 +1,4 @@
-//! What happens between samples.
+//! Signals between samples.
 
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::internals::{EVEN, cubic, divided};
@@ -6,7 +6,7 @@ use pinwheel_timeseries::sampling::{Between, Figures, point};
 
 const NAME: &str = "force_n_0";
 
-/// `of` at so many equal steps over 0 to 20.
+/// Samples `of` at equal steps over 0 to 20.
 fn sampled(of: &dyn Fn(f64) -> f64, steps: u32) -> Figures {
     let times: Vec<f64> = (0..=steps)
         .map(|k| 20.0 * f64::from(k) / f64::from(steps))
@@ -18,7 +18,7 @@ fn sampled(of: &dyn Fn(f64) -> f64, steps: u32) -> Figures {
     Figures::of(&time_series, "force_n", &[NAME], whole).unwrap()
 }
 
-/// The weights are exact for what they are of, equal spacings or not.
+/// The weights are exact for polynomials, at equal spacings or not.
 #[test]
 fn weights_are_those_of_polynomials() {
     let at = [-1.3, 0.0, 1.0, 1.7];
@@ -45,8 +45,7 @@ fn weights_are_those_of_polynomials() {
     }
 }
 
-/// The stated sampling error bounds the real one, whether samples follow an oscillation or not, and is small where
-/// they do.
+/// The stated sampling error bounds the actual one, whether samples resolve an oscillation or not, and is small if they do.
 #[test]
 fn what_sampling_leaves_is_stated() {
     let of = |t: f64| 1.0 + (3.0 * t + 0.2).sin();
@@ -66,12 +65,12 @@ fn what_sampling_leaves_is_stated() {
     }
 }
 
-/// Points between samples make figures sharp that samples alone leave open; what is between a window's ends alone counts.
+/// Points between samples give sharp figures where samples alone do not; only those within the window count.
 #[test]
 fn points_between_samples_are_seen() {
     let of = |t: f64| (2.0 * t).sin();
     let mut between = Between::new(&["force_n"], 11);
-    // In chunks, and with points next to each other.
+    // More than one chunk, and pairs of points close to each other.
     for k in 0..=2000 {
         let t = f64::from(k) * 0.01;
         between.push(t, k % 200 == 0, &[point([of(t)].into_iter())]);
@@ -93,10 +92,10 @@ fn points_between_samples_are_seen() {
         all.sampling.mean < 1e-6 && all.sampling.peak < 1e-6,
         "{all:?}"
     );
-    // One sample has no mean over time, and no number that is none.
+    // A single sample has no mean over time, but no NaN either.
     let one = samples(&time_series, 4..5).unwrap();
     assert_eq!(one.statistics.mean, of(8.0), "{one:?}");
-    // From 2 to 4 s it falls to its minimum and rises to its maximum, neither of which is a sample.
+    // From 2 to 4 s the signal passes its minimum and its maximum, neither at a sample.
     let part = samples(&time_series, 1..3).unwrap().statistics;
     assert!(
         (part.min + 1.0).abs() < 1e-8 && (part.max - of(3.92699)).abs() < 1e-8,

@@ -30,8 +30,8 @@ fn units_of_a_kind_only() {
     );
 }
 
-/// Torques as data sheets write them: a force by an arm, in any order, with any sign between them. The pound-force and the
-/// inch are those of NIST SP 811, appendix B.
+/// Torques in data sheets: force times arm, in any order, with any sign between them. Pound-force and inch are those of NIST SP
+/// 811, appendix B.
 #[test]
 fn published_torques_are_products() {
     for (unit, value) in [

@@ -1,4 +1,4 @@
-//! Small gearbox-like time series for the tests of this crate; each test file uses a part.
+//! Small gearbox-like time series for the tests of this crate.
 #![allow(dead_code)]
 
 use pinwheel_compare::limits::Friction;
@@ -8,7 +8,7 @@ use pinwheel_compare::{
 };
 use pinwheel_timeseries::TimeSeries;
 
-/// A participant with these time series at a step of 1e-5 s.
+/// Returns a participant with these time series at a step of 1e-5 s.
 pub(crate) fn participant(name: &str, track: SharedModel, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),
@@ -25,7 +25,7 @@ pub(crate) fn participant(name: &str, track: SharedModel, time_series: TimeSerie
     }
 }
 
-/// 0.6 s in steps of 1e-3 s; every pin force and the driver torque are `scale` times as large.
+/// Returns 0.6 s in steps of 1e-3 s; every pin force and the driver torque are `scale` times as large.
 pub(crate) fn time_series(scale: f64) -> TimeSeries {
     let time: Vec<f64> = (0..=600).map(|k| f64::from(k) * 1e-3).collect();
     let mut time_series = TimeSeries::new(time.clone()).unwrap();
@@ -58,7 +58,7 @@ pub(crate) fn context() -> Context {
         scene: "paper".to_owned(),
         duration_s: 0.6,
         load_n_m: Some(22.0),
-        // Forces of these time series move nothing.
+        // Zero, because the forces of these time series accelerate nothing.
         output_inertia_kg_m2: Some(0.0),
         input_speed_rad_s: Some(52.34),
         scales: Scales {
@@ -69,7 +69,7 @@ pub(crate) fn context() -> Context {
     }
 }
 
-/// A small generator of numbers with a fixed seed (splitmix64).
+/// Random numbers from a fixed seed (splitmix64).
 pub(crate) struct Random(u64);
 
 impl Random {
@@ -77,7 +77,7 @@ impl Random {
         Self(seed)
     }
 
-    /// Evenly between both.
+    /// Returns a number of the uniform distribution from `low` to `high`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -88,7 +88,7 @@ impl Random {
     }
 }
 
-/// Tolerances that a bed of springs and colliders of polylines state.
+/// Tolerances stated by a bed of springs and by colliders of polylines.
 pub(crate) const TOLERANCES: [(&str, ModelTolerance); 4] = {
     let bed = ModelTolerance {
         friction: Friction::Without,

@@ -1,4 +1,4 @@
-//! Whose reason, window and value it is that judges.
+//! Reasons, windows and values that decide a verdict.
 
 use super::common::{context, participant, time_series};
 use super::refinement::levels;
@@ -13,7 +13,7 @@ fn unknown(name: &str) -> Evidence {
     Evidence::unknown(name, "nobody knows", "ask")
 }
 
-/// The forces with one value replaced.
+/// Returns the time series with one force sample replaced.
 fn spoiled(value: f64) -> TimeSeries {
     let base = time_series(1.0);
     let mut found = TimeSeries::new(base.time_s().to_vec()).unwrap();
@@ -27,7 +27,7 @@ fn spoiled(value: f64) -> TimeSeries {
     found
 }
 
-/// That another engine can bring nothing sharper says nothing of this one.
+/// A final reason of one engine leaves the verdict on another engine unchanged.
 #[test]
 fn regress_a_reason_is_its_engines_own() {
     let at = |evidence: [Evidence; 2]| {
@@ -55,7 +55,7 @@ fn regress_a_reason_is_its_engines_own() {
     assert_eq!(found, told("native", false, 0));
 }
 
-/// A limit stated for one window of measured data says nothing of the other, and holds up to its very value.
+/// A limit stated for one window of measured data applies in that window alone, up to its exact value.
 #[test]
 fn regress_stated_limits_hold_in_their_window() {
     let at = |limit: f64| {
@@ -90,8 +90,8 @@ fn regress_stated_limits_hold_in_their_window() {
     assert_eq!(below.verdict, Verdict::Differ);
 }
 
-/// A mean that balances the load does so whatever is known of it; one that does not is not resolved where its
-/// uncertainty is not known.
+/// A mean in balance with the load agrees whatever its uncertainty; one out of balance is inconclusive if its uncertainty is
+/// unknown.
 #[test]
 fn regress_an_unknown_mean_is_not_held_against_the_load() {
     let at = |scale: f64| {
@@ -116,7 +116,7 @@ fn regress_an_unknown_mean_is_not_held_against_the_load() {
     assert_eq!(at(1.01), Verdict::Inconclusive);
 }
 
-/// Beyond the horizon means and RMS are judged, and no sample is held against a sample.
+/// Beyond the divergence horizon means and RMS are judged, and no pointwise metric.
 #[test]
 fn regress_beyond_the_horizon_figures_are_judged() {
     let parted = Context {
@@ -142,12 +142,12 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             judged.iter().all(|j| !j.metric.unwrap().is_pointwise()),
             "{judged:?}"
         );
-        // Means are held against uncertainties there; a model of which nothing is stated against nothing.
+        // Means are compared with uncertainties there; a model without a stated tolerance is not compared.
         let compared = judged.iter().any(|j| j.verdict != Verdict::NotCompared);
         assert_eq!(compared, track == SharedModel::SharedLaw, "{judged:?}");
     }
-    // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
-    // place of what is not stated stands a distance without a statement.
+    // A model's tolerance on means applies on both sides of the horizon, its tolerance on samples before it only; otherwise the
+    // assessment has a distance without a tolerance.
     let first = |scene: &Context, name: &str, quantity: &str| {
         let own = participant(name, SharedModel::OwnContact, time_series(1.0));
         let evidence = [unknown("native"), unknown(name)];
@@ -176,7 +176,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
     assert_eq!(first(&parted, other, FORCE), (Metric::Mean, false));
 }
 
-/// A difference that is not a number is no agreement, and the engine that gave it is named.
+/// A difference that is not finite is no agreement, and the verdict names the engine with that value.
 #[test]
 fn hard_what_is_not_finite_is_inconclusive() {
     for (a, b, who) in [(f64::NAN, 1.0, "native"), (1.0, f64::INFINITY, "other")] {
@@ -205,7 +205,7 @@ fn hard_what_is_not_finite_is_inconclusive() {
     }
 }
 
-/// Two engines that show nothing but zeros, and so do their coarser runs, agree: there is nothing to be uncertain of.
+/// Two engines with all-zero results, in their coarser runs too, agree.
 #[test]
 fn zeros_agree() {
     let evidence =

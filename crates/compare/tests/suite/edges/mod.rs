@@ -1,5 +1,4 @@
-//! Mutants of the judge that a run of mutation left alive: each test kills one that nothing else did
-//! (docs/architecture.md).
+//! Mutants of the judge that survived a run of mutation testing; each test detects one (docs/architecture.md).
 
 use super::common;
 mod judged;

@@ -1,4 +1,4 @@
-//! Statements of a refinement study about its finest run.
+//! Conclusions from a refinement study about its finest run.
 
 use super::common::{context, participant, time_series};
 use super::{entry, native, other};
@@ -9,7 +9,7 @@ use pinwheel_compare::{
 };
 use pinwheel_timeseries::TimeSeries;
 
-/// A run with these values as its only course.
+/// Returns a run with these values as its only channel.
 fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
     let time = time_series(1.0).time_s().to_vec();
     let values = (0..time.len()).map(values).collect();
@@ -18,7 +18,7 @@ fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
     found
 }
 
-/// The evidence of a method of order 2 without kinks.
+/// Returns the evidence of a method of order 2 without kinks.
 pub(crate) fn levels(name: &str, coarser: [TimeSeries; 2]) -> Evidence {
     let [two, three] = coarser;
     let level = |refinement: f64, run: TimeSeries| Level {
@@ -38,7 +38,7 @@ pub(crate) fn levels(name: &str, coarser: [TimeSeries; 2]) -> Evidence {
     Evidence::refinement(name, ladder)
 }
 
-/// Differences of the right size confirm an order only where they point the same way: a cosine of a half and more.
+/// Differences of the right size confirm an order only if they point in one direction: a cosine of 0.5 or more.
 #[test]
 fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
     for (cosine, wanted) in [
@@ -65,7 +65,7 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
         let basis = steady.next().unwrap().l2.estimate().unwrap().basis;
         assert_eq!(basis, wanted, "{cosine}");
     }
-    // Of one sign throughout, and large at other samples: a cosine of 0.2.
+    // Differences of one sign, each large at other samples: a cosine of 0.2.
     let large = |even: bool| {
         move |k: usize| {
             if k.is_multiple_of(2) == even {
@@ -93,7 +93,7 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
     );
 }
 
-/// Beyond the horizon every run is a sample: u of a figure is three times how far the furthest is from the finest.
+/// Beyond the horizon every run is a sample: u of a figure is three times the largest distance from the finest run.
 #[test]
 fn beyond_the_horizon_u_is_three_times_the_spread() {
     let parted = Context {
@@ -115,12 +115,12 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     let u = steady.mean.estimate().unwrap();
     assert_eq!(u.basis, Basis::Spread);
-    // Of samples nothing is known there.
+    // Pointwise uncertainties are unknown there.
     assert!(steady.l2.estimate().is_none() && steady.linf.estimate().is_none());
     assert!((u.u - 3.0 * 2e-3).abs() < 1e-12, "{u:?}");
 }
 
-/// Kinks confirm no method that is better than they are; with friction nothing but the method's own order does.
+/// Kinks confirm no method of higher order than their own; friction confirms the method's own order only.
 #[test]
 fn neither_kinks_nor_friction_confirm() {
     let at = |observed: f64, rough: Rough| {
@@ -145,7 +145,7 @@ fn neither_kinks_nor_friction_confirm() {
     assert_eq!(at(4.0, Rough::Friction), Basis::Observed);
 }
 
-/// Differences and ratios that are no such thing are told, not computed with.
+/// Invalid differences and ratios are reported, not computed with.
 #[test]
 fn a_study_that_makes_no_sense_says_so() {
     let of = |ratio: f64, difference: f64| {
@@ -171,7 +171,7 @@ fn a_study_that_makes_no_sense_says_so() {
     }
 }
 
-/// A figure confirms an order by differences of one sign, whatever the samples behind it do.
+/// A figure confirms an order by the sign of its own differences, independent of the samples.
 #[test]
 fn a_figure_confirms_by_its_own_sign() {
     let basis_of_the_mean = |first: f64, sign: f64| {
@@ -213,7 +213,7 @@ fn orders_of_tolerances_and_of_no_differences() {
     }
 }
 
-/// A level with one sample more is not on the grid.
+/// A level with an additional sample is not on the grid.
 #[test]
 fn a_level_with_more_samples_is_refused() {
     let base = time_series(1.0);
@@ -239,7 +239,7 @@ fn a_level_with_more_samples_is_refused() {
     assert!(told.contains("other sample times"), "{told}");
 }
 
-/// A relative size is relative to the quantity's own size; rounding is a share of it.
+/// A relative size refers to the quantity's own size, and rounding is a share of it.
 #[test]
 fn relative_sizes_are_of_the_quantity() {
     let with = |floor: f64| {

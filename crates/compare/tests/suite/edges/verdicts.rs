@@ -6,7 +6,7 @@ use pinwheel_compare::{Assessment, Metric, Verdict};
 
 const L2: Metric = Metric::RelativeL2;
 
-/// Between U and 2 U two engines agree to 2 U where an order was not confirmed, and differ where both were.
+/// Between U and 2 U two engines agree to 2 U if an order is unconfirmed, and differ if both are confirmed.
 #[test]
 fn an_unconfirmed_size_is_a_bound_at_twice_itself() {
     let at = |basis: Basis, distance: f64| {
@@ -37,7 +37,7 @@ fn an_unconfirmed_size_is_a_bound_at_twice_itself() {
     }
 }
 
-/// Above the resolution agreement says nothing, whatever confirms U, and a difference is told by confirmed orders alone.
+/// With U above the resolution agreement is inconclusive whatever confirms U, and a difference needs confirmed orders.
 #[test]
 fn what_is_blunt_is_inconclusive() {
     let at = |basis: Basis, distance: f64| {
@@ -54,7 +54,7 @@ fn what_is_blunt_is_inconclusive() {
     assert_eq!(at(Basis::Observed, 9e-3).verdict, Verdict::Differ);
 }
 
-/// How much finer a run must be: by the order, never coarser, and no number where none would do.
+/// Required refinement of a run: by the order, at least 1, and none where no refinement would reach the target.
 #[test]
 fn what_a_target_asks_of_a_run() {
     let estimate = Estimate {
@@ -78,7 +78,7 @@ fn what_a_target_asks_of_a_run() {
     assert_eq!(rounding.refinement_for(1e-4), None);
 }
 
-/// The gravest decides, and what leaves nothing to act on sets no status.
+/// The gravest verdict decides, and verdicts without an action set no status.
 #[test]
 fn counts_amount_to_the_gravest() {
     let add = |counts: Counts, verdict: Verdict, actionable: bool| {
@@ -102,7 +102,7 @@ fn counts_amount_to_the_gravest() {
     assert_eq!((differ.exit_status(), differ.differ), (1, 2));
 }
 
-/// The blunter side is named, with what it must be refined by: to what the other leaves of the resolution, or half of it.
+/// The blunter side is named with its required refinement: to the rest that the other leaves of the resolution, or half of it.
 #[test]
 fn the_blunter_side_is_to_be_refined() {
     let at = |of_b: f64| {
@@ -121,7 +121,7 @@ fn the_blunter_side_is_to_be_refined() {
     assert_eq!(at(1.9e-3), "refine a 5 times");
 }
 
-/// Models differ where they are beyond what is stated, and only there; without a tolerance the interval is the result.
+/// Models differ only beyond their stated tolerance; without a tolerance the interval is the result.
 #[test]
 fn models_beyond_what_they_state_differ() {
     let at = |tolerance: Option<f64>| {

@@ -1,4 +1,4 @@
-//! Meaning of agreement and difference where numerical uncertainty is all there is.
+//! Agreement and difference under numerical uncertainty alone.
 
 use super::common::{Random, participant, time_series};
 use super::{FORCE, anywhere, compared, engine, entry, native, off};
@@ -37,7 +37,7 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     assert_eq!(result, (Verdict::Agree, Some(u_a + u_b)));
     assert!(judgement.difference.unwrap() < u_a);
     assert_eq!((found.passed, found.counts.exit_status()), (true, 0));
-    // Every quantity and window has been resolved; the uncertainties stand with each engine.
+    // Every quantity and window is resolved; each engine has its uncertainties.
     let alone = found.engines.iter().map(|e| e.judged.len()).sum::<usize>();
     assert_eq!(found.counts.agree, found.pairs[0].entries.len() + alone);
     let own = &found.engines[0].uncertainty;
@@ -48,7 +48,7 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
 
 #[test]
 fn crossval_a_fault_of_a_thousandth_is_a_finding() {
-    // 0.1 % more force, in an engine that is right to 1e-5: `differ`, by at least what is left beyond U.
+    // 0.1 % more force in an engine with an error of 1e-5: `differ`, by at least the excess over U.
     let fault = engine(
         "peer",
         SharedModel::SharedLaw,
@@ -63,7 +63,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     let at_least = result.difference.unwrap() - result.bound.unwrap();
     assert!((0.9e-3..1e-3).contains(&at_least), "{at_least}");
     assert_eq!(found.counts.exit_status(), 1);
-    // A study as coarse as the fault cannot tell, and says to what it agrees.
+    // A study as coarse as the fault cannot detect it, and states the bound of agreement.
     let blunt = engine(
         "peer",
         SharedModel::SharedLaw,
@@ -78,7 +78,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     assert!(result.bound.unwrap() > 1e-3);
 }
 
-/// The false alarm: two adaptive runs at a tolerance of 1e-6 are 5e-4 apart, "454954 times the limit".
+/// A false alarm: two adaptive runs at a tolerance of 1e-6 are 5e-4 apart, "454954 times the limit".
 #[test]
 fn regress_adaptive_runs_agree_to_their_tolerance() {
     let adaptive = |name: &str, errors: [f64; 3]| {
@@ -116,7 +116,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
     assert_eq!(basis, Basis::Tolerance);
 }
 
-/// The empty pass: two native runs 101 % apart at a coarse step, "13 of 13 within".
+/// An empty pass: two native runs 101 % apart at a coarse step, "13 of 13 within".
 #[test]
 fn regress_coarse_runs_far_apart_are_never_within() {
     // Runs that bounce where none should: each level another waveform, none near another.
@@ -180,7 +180,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
     assert!(!judged);
 }
 
-/// With friction, 5 % more stiffness in one native engine was "3 of 3 within".
+/// With friction, 5 % more stiffness in one native engine was once "3 of 3 within".
 #[test]
 fn regress_a_fault_under_friction_is_seen() {
     let rough = Context {
@@ -212,7 +212,7 @@ fn rounding_alone_agrees() {
         2.0,
         &[2.0],
     );
-    // Levels that differ by rounding in no order at all.
+    // Levels that differ by rounding, without any order.
     if let Source::Refinement(study) = &mut ladder_a.source {
         for (k, level) in study.coarser.iter_mut().enumerate() {
             level.run = Ok(time_series(1.0 + 3e-15 * (2.0 - k as f64)));
@@ -231,7 +231,7 @@ fn rounding_alone_agrees() {
 
 #[test]
 fn similar_gears_have_the_same_verdicts() {
-    // Lengths and forces a thousandth: torques a millionth.
+    // Lengths and forces scaled by 1e-3: torques by 1e-6.
     let small = |time_series: &TimeSeries, grow: f64| {
         let mut scaled = TimeSeries::new(time_series.time_s().to_vec()).unwrap();
         for channel in time_series.channels() {

@@ -1,4 +1,4 @@
-//! Who must show what.
+//! Evidence required of participants.
 
 use super::common::time_series;
 use super::{FORCE, anywhere, engine, entry, native};
@@ -78,7 +78,7 @@ fn a_participant_without_evidence_is_named() {
         .0,
         "lacks"
     ));
-    // A closed form, and uncertainties that were written down with a recording.
+    // A closed form, and uncertainties stored with a recording.
     let exact = found(Some(Source::Exact(1e-12))).0.verdict;
     assert!(matches!(exact, Verdict::Agree | Verdict::Differ));
     let (_, live) = found(Some(
@@ -104,7 +104,7 @@ fn a_participant_without_evidence_is_named() {
     ));
 }
 
-/// A run that only judges another may have half of the samples: all are compared at these.
+/// A coarser run may have half of the samples: all runs are compared at these.
 #[test]
 fn a_level_at_every_other_sample_is_compared_there() {
     let base = time_series(1.0);

@@ -1,4 +1,4 @@
-//! Runs whose studies do not settle: chaos, floors of iterations, bounces that coarser runs miss.
+//! Refinement studies without a conclusion: chaos, error floors of iterations, bounces that coarser runs miss.
 
 use super::common::time_series;
 use super::{FORCE, anywhere, compared, engine, entry, native, off};
@@ -6,7 +6,7 @@ use pinwheel_compare::uncertainty::{Basis, Source};
 use pinwheel_compare::{Context, Divergence, SharedModel, Verdict};
 use pinwheel_timeseries::TimeSeries;
 
-/// A scene that amplifies roundings decides by itself how sharp its figures are: inconclusive, and nothing to act on.
+/// A scene that amplifies rounding limits the accuracy of its own figures: inconclusive, without an action.
 #[test]
 fn hard_chaos_leaves_nothing_to_act_on() {
     let chaotic = Context {
@@ -34,7 +34,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
         found.counts
     );
     assert_eq!(found.counts.exit_status(), 0);
-    // The same before the horizon is a failure.
+    // A wide difference before the horizon is a failure.
     let found = compared(&anywhere(), vec![native(0.3), peer()]);
     assert!(
         found.counts.inconclusive_actionable == found.counts.inconclusive
@@ -44,7 +44,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
     );
 }
 
-/// The error that an engine's own iterations leave does not fall with the step: it bounds how sharp a statement may be.
+/// The error of an engine's own iterations does not fall with the step, so it bounds the accuracy.
 #[test]
 fn regress_iterations_leave_a_floor() {
     let offset = |floor: f64| {
@@ -60,7 +60,7 @@ fn regress_iterations_leave_a_floor() {
     assert_eq!((at(0.0), at(1e-8)), (Verdict::Differ, Verdict::Agree));
 }
 
-/// A bounce that one run of the study has and another has not. Two levels that both miss it cannot know.
+/// A bounce in one run of the study and not in another. Two levels that both miss it cannot detect it.
 #[test]
 fn hard_a_bounce_that_coarser_runs_miss() {
     let bounce = |base: TimeSeries| {
@@ -101,7 +101,7 @@ fn hard_a_bounce_that_coarser_runs_miss() {
         study.coarser[0].run = Ok(bounce(fine));
     }
     let found = compared(&anywhere(), vec![exact, (seeing, study)]);
-    // The coarsest misses it: super-convergence by accident, which costs sharpness and no more.
+    // The coarsest run misses it: accidental super-convergence, which costs accuracy and nothing else.
     let estimate = *found.engines[1]
         .uncertainty
         .iter()

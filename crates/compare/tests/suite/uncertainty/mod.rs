@@ -1,4 +1,4 @@
-//! Whole comparisons by numerical uncertainty, on studies whose errors are known.
+//! Comparisons by numerical uncertainty, on studies with known errors.
 
 mod agreement;
 use super::common;
@@ -19,12 +19,12 @@ const FORCE: &str = "external_sleeve_force_n";
 
 const TORQUE: &str = "input_torque_n_m";
 
-/// The gear nobody calibrated.
+/// A gear without calibration.
 fn anywhere() -> Context {
     context()
 }
 
-/// `base` with an error of relative size `error` in every channel: a wave of its own, the same for every level.
+/// Returns `base` with a relative error `error` in every channel: one waveform, the same for every level.
 fn off(base: &TimeSeries, error: f64) -> TimeSeries {
     let mut time_series = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for (k, channel) in base.channels().iter().enumerate() {
@@ -41,7 +41,7 @@ fn off(base: &TimeSeries, error: f64) -> TimeSeries {
     time_series
 }
 
-/// An engine whose error at H times its step is `error * H^order`, and its study at the refinements.
+/// Returns an engine whose error at H times its step is `error * H^order`, and its study at the refinements.
 fn engine(
     name: &str,
     on: SharedModel,

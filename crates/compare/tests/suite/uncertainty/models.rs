@@ -37,7 +37,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
         native.cost.energy = energy.map(account).into_iter().collect();
         compared(&anywhere(), vec![(native, evidence), own])
     };
-    // The law creates 0.95 % of the power: the conservative bed needs as much more torque.
+    // The law creates 0.95 % of the power: the conservative bed needs more torque by as much.
     let found = run(1.0095, Some(0.0095), 1e-5);
     let of_torque = |found: &Comparison| entry(found, TORQUE).assessments[0].clone();
     let torque = of_torque(&found);
@@ -46,7 +46,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
         (Verdict::Agree, -0.0095, Some(5e-3))
     );
     let [low, high] = torque.interval().unwrap();
-    // Where something is stated, nothing else is judged beside it.
+    // With a stated tolerance no other metric is judged.
     let judged = &entry(&found, TORQUE).assessments;
     assert!(judged.iter().all(|j| j.tolerance.is_some()), "{judged:?}");
     let difference = -0.0095 / 1.0095;
@@ -54,14 +54,14 @@ fn own_contact_is_an_interval_against_a_prediction() {
         low < difference && difference < high && high - low < 1e-4,
         "{low} {high}"
     );
-    // The same difference where none is predicted is beyond what a bed states.
+    // An equal difference without a prediction exceeds the tolerance of a bed.
     let conservative = run(1.0095, Some(0.0), 1e-5);
     assert_eq!(of_torque(&conservative).verdict, Verdict::Differ);
     assert_eq!(conservative.counts.exit_status(), 1);
-    // In the wrong direction too.
+    // A difference of the opposite sign exceeds it, too.
     let wrong = of_torque(&run(0.9905, Some(0.0095), 1e-5)).verdict;
     assert_eq!(wrong, Verdict::Differ);
-    // Without an account there is no prediction, so nothing to hold it against: the interval is left.
+    // Without an account there is no prediction: the interval is the result.
     let unknown = of_torque(&run(1.0095, None, 1e-5));
     assert_eq!(unknown.verdict, Verdict::NotCompared);
     assert!(unknown.interval().is_some());
@@ -72,7 +72,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
 
 #[test]
 fn the_matrix_shows_the_figure_that_was_judged() {
-    // Wave forms 41 % apart, which nobody judges of colliders; their means are, and agree.
+    // Waveforms 41 % apart, for which colliders state no tolerance; their means are judged and agree.
     let base = time_series(1.0);
     let mut waves = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for channel in base.channels() {
@@ -107,7 +107,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     assert_eq!(cell.result.verdict, Verdict::Agree);
     assert_eq!(cell.result.metric, Some(Metric::Mean));
     assert!(cell.result.difference.unwrap() < 0.05 && cell.force.unwrap() > 0.4);
-    // Pairs that differ show what does.
+    // Pairs that differ name the differing quantity.
     let far = engine(
         "rapier-own-contact-colliders",
         SharedModel::OwnContact,
@@ -146,7 +146,7 @@ fn measured_data_get_a_budget() {
     let judgement = &entry(&found, FORCE).assessments[0];
     let budget = judgement.budget.unwrap();
     assert!((budget.validation() - 0.005).abs() < 1e-5, "{budget:?}");
-    // Each side's own: the simulation's numerics, the rig's statement.
+    // Each side's own uncertainty: the simulation's numerics, the rig's statement.
     assert_eq!(judgement.u_b, Some(0.004));
     assert!(
         judgement.u_a.is_some_and(|u| u > 1e-4 && u < 2e-4),
@@ -260,7 +260,7 @@ fn undefined_efficiencies_have_a_reason() {
         ..context()
     };
     assert_eq!(of(&back), (None, "no power goes in".to_owned()));
-    // Rounding is no load, and a power far above what goes in comes from what was stored.
+    // A load of rounding size is none; output power far above the input comes from stored energy.
     let next_to_nothing = Context {
         load_n_m: Some(2e-10),
         ..context()
@@ -275,7 +275,7 @@ fn undefined_efficiencies_have_a_reason() {
         none.is_none() && reason.contains("does not come from the input"),
         "{reason}"
     );
-    // A law that creates energy leaves none, one that hardly does what contacts lose.
+    // With a law that creates energy there is no efficiency; with a nearly conservative one it is the contacts' loss.
     let rubs = Context {
         friction_coefficient: 0.1,
         ..context()

@@ -1,4 +1,4 @@
-//! Series and figures, and what their uncertainties cover.
+//! Coverage of the uncertainties of series and figures.
 
 use super::anywhere;
 use super::common::{Random, participant, time_series};
@@ -6,8 +6,8 @@ use pinwheel_compare::uncertainty::{Method, Norm, Source};
 use pinwheel_compare::{Evidence, Ladder, Level, Rules, SharedModel, compare};
 use pinwheel_timeseries::TimeSeries;
 
-/// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the levels have
-/// shapes of their own beside the common one.
+/// In every norm u covers the true error in 95 of 100 cases, and is not blunt. The errors of the levels have individual shapes
+/// beside the common one.
 #[test]
 fn crossval_series_and_figures_are_covered() {
     let mut random = Random::new(11);

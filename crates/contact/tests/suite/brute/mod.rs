@@ -1,8 +1,8 @@
-//! Depth below the curve by brute force: slow, simple, and nothing of the searches in it. Their oracle.
+//! Depth below the curve by brute force: slow, simple, and independent of the searches that it verifies.
 
 use pinwheel_contact::{Complex, Epitrochoid};
 
-/// Depth of `p` below the curve, m: its distance from the curve, above 0 inside.
+/// Returns the depth of `p` below the curve, m: its distance from the curve, above 0 inside.
 pub(crate) fn depth(curve: &Epitrochoid, p: Complex) -> f64 {
     let radial = radial_depth(curve, p);
     let distance = distance(curve, p, radial.abs());
@@ -14,8 +14,8 @@ fn swing(curve: &Epitrochoid) -> f64 {
     (1.0 / f64::from(curve.lobes() + 1)).asin()
 }
 
-/// How much farther from the origin the curve is at the polar angle of `p`. The polar angle grows with the
-/// parameter (m < 1), so the sign of this tells inside from outside.
+/// Returns the radius of the curve at the polar angle of `p` less that of `p`. The polar angle grows with the parameter (m <
+/// 1), so the sign distinguishes inside from outside.
 fn radial_depth(curve: &Epitrochoid, p: Complex) -> f64 {
     let (mut low, mut high) = (p.arg() - swing(curve), p.arg() + swing(curve));
     for _ in 0..60 {
@@ -29,8 +29,8 @@ fn radial_depth(curve: &Epitrochoid, p: Complex) -> f64 {
     curve.at(low).position.norm() - p.norm()
 }
 
-/// Least distance from the curve, m, known to be at most `bound`: a dense scan of all polar angles that can be so
-/// near, every minimum refined by golden section.
+/// Returns the least distance from the curve, m, known to be at most `bound`: a dense scan of all polar angles that can be so
+/// near, with every minimum refined by golden section.
 fn distance(curve: &Epitrochoid, p: Complex, bound: f64) -> f64 {
     const PER_LOBE: u32 = 200;
     let step = std::f64::consts::TAU / f64::from(PER_LOBE * curve.lobes());
@@ -54,7 +54,7 @@ fn distance(curve: &Epitrochoid, p: Complex, bound: f64) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Least value of `f` between two bounds around one minimum.
+/// Returns the least value of `f` between two bounds around one minimum.
 fn golden(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let (mut x, mut y) = (high - SHARE * (high - low), low + SHARE * (high - low));

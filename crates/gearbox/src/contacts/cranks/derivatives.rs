@@ -43,7 +43,7 @@ impl CrankSet {
         let mut bearings = OfCrank::new();
         for crank in 0..self.count() {
             let given = self.crank(bodies, crank, &mut bearings);
-            // Filled in place: its capacity is for the largest number of discs.
+            // Filled in place, because its capacity is for the largest number of discs.
             let mut joints = ArrayVec::<Joint, WHEELS>::new();
             for wheel in 0..bearings.len() {
                 let (law, at) = (self.law(wheel, crank), [wheel, crank]);

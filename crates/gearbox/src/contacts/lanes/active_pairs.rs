@@ -1,4 +1,4 @@
-//! Visits touching pairs one by one; lanes search for them several at a time.
+//! Visits touching pairs one by one after a search in lanes.
 
 use pinwheel_contact::{PinLaw, Real, RegularisedCoulomb};
 use pulp::Simd;

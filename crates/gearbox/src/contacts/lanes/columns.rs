@@ -1,10 +1,10 @@
-//! States and loads of the pins as columns, padded to whole groups of lanes.
+//! States and loads of the pins as columns, padded to full groups of lanes.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask};
 use pinwheel_mbs::{BodyState, Wrench};
 use pulp::Simd;
 
-/// Columns are padded to a multiple of the widest group (two AVX-512 registers).
+/// Padding of columns: a multiple of the widest group (two AVX-512 registers).
 pub(super) const PADDING: usize = 16;
 
 /// Column of planar vectors.
@@ -70,7 +70,7 @@ impl Sleeves {
     #[inline(always)]
     pub(super) fn gather(&mut self, bodies: &[BodyState]) {
         let n = self.count;
-        // Slices of one known length: no bounds are checked for each element.
+        // Slices of one known length, so that bounds are not checked for each element.
         let bodies = &bodies[self.first..][..n];
         let (x, y) = (&mut self.position.x[..n], &mut self.position.y[..n]);
         let (vx, vy) = (&mut self.velocity.x[..n], &mut self.velocity.y[..n]);

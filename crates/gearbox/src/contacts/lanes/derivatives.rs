@@ -13,13 +13,13 @@
 //! A = -K' Y,    dA = -(K'' Y + K'^2 Y_K) d(tau) - K' (Y_delta - b Y) d(delta)    of laws with a force along the profile, Y = dU/dK
 //! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
-//! For a disc that floats, the input moves nothing; its place x, y does, u being one of the ground's axes:
+//! The position x, y of a floating disc moves a contact instead of the input, with u one of the ground's axes:
 //!
 //! ```text
 //! ln = -u.n,  lt = -u.t;    force on the disc:  F n - (T + A) t
 //! ```
-//! and the moments are differentiated by the product rule. The derivatives of the normal law are differences of the law itself,
-//! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
+//! The moments are differentiated by the product rule. The derivatives of the normal law are differences of the law, accurate
+//! to 1e-9, so that a law need not provide any. At kinks of friction or law the slope of one side applies.
 
 use pinwheel_contact::{ComplexLanes, Lanes, PinLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{self as mbs, BodyState, Variable};
@@ -45,8 +45,8 @@ pub(super) struct Derivatives<'a, 'b> {
     floats: bool,
 }
 
-/// Columns of the motions that move a contact besides the pin's own angle: those of disc, output and input, or the
-/// place of a disc that floats.
+/// Columns of the motions that move a contact besides the pin's own angle: those of disc, output and input, or the position of
+/// a floating disc.
 const WHEEL: usize = 0;
 const CARRIER: usize = 1;
 const INPUT: usize = 2;
@@ -91,7 +91,7 @@ struct Centre<S: Simd> {
 }
 
 /// Evaluates the law at a stiffness, a depth and a rate. The function is not inlined: it is large, and inlined for each
-/// difference it would be most of the code of all kernels.
+/// difference it would dominate the code of all kernels.
 struct At<'a, S: Simd> {
     law: &'a PinLaw,
     contact: [Lanes<S>; 3],
@@ -150,7 +150,7 @@ impl<S: Simd> Pressure<S> {
             let by_stiffness = (stiffer - softer) * over_stiffness;
             let bend =
                 derivatives.bend * along + derivatives.along * derivatives.along * by_stiffness;
-            // K' itself grows with the depth, as the way of the centre shrinks against the foot's: by -b of it.
+            // K' itself grows with the depth, by -b of it, because the path of the centre shrinks relative to the foot's.
             let rise = (deeper - flatter) * over_depth;
             let by_depth = derivatives.along * (touching.turning * along - rise);
             all.centre = Some(Centre {
@@ -163,10 +163,10 @@ impl<S: Simd> Pressure<S> {
     }
 }
 
-/// Derivatives of the three moments of a contact: on the disc, on the output, on the pin.
+/// Derivatives of the three moments of a contact: on disc, output and pin.
 type Moments<S> = [Lanes<S>; 3];
 
-/// Derivatives of the force on a disc that floats, along n and along t.
+/// Derivatives of the force on a floating disc, along n and along t.
 type Force<S> = [Lanes<S>; 2];
 
 impl Derivatives<'_, '_> {
@@ -174,24 +174,24 @@ impl Derivatives<'_, '_> {
         self.friction[group.side()].coefficient > 0.0
     }
 
-    /// Returns the number of a disc's angle.
+    /// Returns the coordinate number of a disc's angle.
     fn hub(&self, wheel: usize) -> Option<usize> {
         let body = self.layout.wheel_bodies().start + wheel;
         self.derivatives.coordinates.angle(body)
     }
 
-    /// Returns the number of x, or with `axis` 1 of y, of a disc.
+    /// Returns the coordinate number of a disc's x, or with `axis` 1 of y.
     fn place(&self, wheel: usize, axis: usize) -> Option<usize> {
         let body = self.layout.wheel_bodies().start + wheel;
         self.derivatives.coordinates.place(body).map(|x| x + axis)
     }
 
-    /// Returns the number of the output's angle.
+    /// Returns the coordinate number of the output's angle.
     fn output(&self) -> Option<usize> {
         self.derivatives.coordinates.angle(Layout::OUTPUT)
     }
 
-    /// Returns the number of the angle of lane `k`'s pin.
+    /// Returns the coordinate number of the angle of lane `k`'s pin.
     #[inline(always)]
     fn sleeve<S: Simd>(&self, group: &Group<'_, S>, k: usize) -> Option<usize> {
         let bodies = match group.external {
@@ -226,7 +226,7 @@ impl Derivatives<'_, '_> {
         }
     }
 
-    /// Adds a column of derivatives of the force on a disc that floats.
+    /// Adds a column of derivatives of the force on a floating disc.
     #[inline(always)]
     fn add_force<S: Simd>(
         &mut self,
@@ -264,7 +264,7 @@ impl Sink for Derivatives<'_, '_> {
         } else {
             self.output_rate
         };
-        // Of the pin's carrier against disc and input.
+        // Rates of the pin's carrier relative to disc and input.
         let (over_wheel, over_input) = (zero.like(carrier) - wheel.rate, carrier - self.input_rate);
 
         // P' and the relative velocity at W.
@@ -305,7 +305,7 @@ impl Sink for Derivatives<'_, '_> {
             }
         }
         let turns = [-one, zero, one];
-        // What the sliding speed depends on the disc's rate with: W instead of P.
+        // Lever of the disc's rate in the sliding speed: W instead of P.
         let wheel_lever = -(along + rho);
         for k in 0..if floats { PLACE + 2 } else { INPUT + 1 } {
             if k == CARRIER && group.external {
@@ -314,7 +314,7 @@ impl Sink for Derivatives<'_, '_> {
             let (depth, path) = (normal_levers[k], levers[k]);
             let tilt = turning * path;
             let is_place = floats && k >= PLACE;
-            // How z changes, with the turn of n: its moment on n, and along n.
+            // Change of z with the rotation of n: its moment on n, and along n.
             let (mut aside, mut against) = (tilt * z.dot(n), zero);
             let (mut slower, mut faster);
             if is_place {
@@ -330,7 +330,7 @@ impl Sink for Derivatives<'_, '_> {
                 faster = over_wheel * depth + centre_across * turn * one.like(over_input);
             }
             if floats && k == WHEEL {
-                // In the disc's frame all velocities turn.
+                // In the disc's frame all velocities rotate.
                 slower = passing + tilt * passing;
                 faster = -closing;
             }

@@ -1,14 +1,15 @@
-//! Contacts of a gear whose bodies have the poses that their joints prescribe: they follow from angles, rates and the positions
-//! of discs that float.
+//! Contacts of a gear whose bodies have the poses that their joints prescribe, from angles, rates and the positions of floating
+//! discs.
 //!
-//! With phi, psi, theta the angles of input, output and disc, f the phase of the disc's eccentric, b how far pins
-//! stand outside of C (the backlash, less a radial modification), a0 the place where the ideal mesh has the foot of a pin in direction beta, and E = e^{i zs a0}, that pin's centre stands at
-//! the offset q from C(a0), in directions turned by a0 (see [`local_feet`](pinwheel_contact::Epitrochoid::local_feet)):
+//! With phi, psi, theta the angles of input, output and disc, f the phase of the disc's eccentric, b the distance of pin
+//! centres outside of C (the backlash, less a radial modification), a0 the parameter of the foot of a pin in direction beta in
+//! the ideal mesh, and E = e^{i zs a0}, the pin's centre has the offset q from C(a0), in directions turned by a0 (see
+//! [`local_feet`](pinwheel_contact::Epitrochoid::local_feet)):
 //!
 //! ```text
 //! q = b + k E,   k = -e (1 + e^{i (phi + f + zs theta)}),   E = e^{-i zs theta} / beta
 //! ```
-//! k is 0 at the ideal mesh. Rates and moments follow from levers alone, n pointing from the pin's centre P to the disc, z
+//! k is 0 at the ideal mesh. Rates and moments follow from levers alone, with n pointing from the pin's centre P to the disc, z
 //! = P + c from the origin, c the eccentric:
 //!
 //! ```text
@@ -18,16 +19,16 @@
 //!   n = o/|o|,  o = s e^{i psi} - h e^{i theta} - c,   P x n = h e^{i theta} x n,   c x n = z x n - P x n
 //! ```
 //!
-//! A disc that floats has its centre for c in k, `k = -e - c e^{i zs theta}`, and closes its contacts with its own velocity v in
-//! place of the input's: -v.n for -c x n phi'.
+//! A floating disc has its centre for c in k, `k = -e - c e^{i zs theta}`, and its own velocity v in the closing speed instead
+//! of the input's: -v.n for -c x n phi'.
 //!
-//! **Which pins can touch.** P is outside for certain where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both
-//! sides are the first harmonic of the place along the ring, as |E| = 1:
+//! **Candidate pins.** P is certainly outside where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both sides are the
+//! first harmonic of the position along the ring, as |E| = 1:
 //!
 //! ```text
 //! X + Re((Y + i Z) E) > 0,   X = b + m Re k - H (b^2 + |k|^2),   Y + i Z = k + m b - 2 H b k
 //! ```
-//! so that the pins that are not outside for certain are neighbours. They are processed a register at a time, and two
+//! The pins that are not certainly outside are therefore neighbours. They are processed a register at a time, and two
 //! registers, of any discs, in parallel.
 
 mod internal;
@@ -50,40 +51,40 @@ const ROUNDING: f64 = 1e-14;
 
 /// Number of pins at the ends of a window: the one before it, its first, its last, the one after.
 const ENDS: usize = 4;
-/// 1 where these are outside for certain, -1 where they are not, for all lanes of a register.
+/// Signs of the end pins: 1 if certainly outside, -1 if not, for all lanes of a register.
 const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 
 /// Constants of the field, and memory for its variables.
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace {
     layout: Layout,
-    /// e e^{if} of every disc, m.
+    /// Eccentric e e^{if} of every disc, m.
     eccentrics: Vec<Complex>,
     eccentricity: f64,
     backlash: f64,
     radius: f64,
     lobes: f64,
     shortening: f64,
-    /// Bound H.
+    /// Bound H of the test for points outside.
     repulsion: f64,
     /// Friction of sleeves on ring and on output pins.
     pins: [Option<PinFriction>; 2],
     /// Radii of ring and output pins, m.
     sleeve_radii: [f64; 2],
-    /// 1/beta of the ring pins, the first ones again after the last.
+    /// Inverse directions 1/beta of the ring pins, with the first ones repeated after the last.
     directions: Column,
-    /// Output pins on the output, m.
+    /// Positions of the output pins on the output, m.
     points: Column,
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// Segments of ring and of output pins, two side by side. The former stay while no other pin comes
-    /// near: nothing need wait for the test that they hold.
+    /// Segments of ring and of output pins, two side by side. Those of ring pins stay valid until another pin comes near, so
+    /// that the evaluation need not wait for the test.
     segments: [Vec<[Segment; 2]>; 2],
-    /// Directions of the pins at the [`ENDS`] of the windows, a register a disc, and whether every disc has ends.
+    /// Directions of the pins at the [`ENDS`] of the windows, a register for each disc, and true if every disc has ends.
     ends: Column,
     is_bounded: bool,
-    /// Forces on the pins, N, ground frame; of external ones in the frame of their directions. 0 between two evaluations.
+    /// Forces on the pins, N, ground frame; those on ring pins in the frame of their directions. 0 between evaluations.
     forces: [Column; 2],
 }
 
@@ -92,13 +93,13 @@ pub(super) struct JointSpace {
 struct Wheel {
     /// Centre c, m.
     centre: Complex,
-    /// e^{i theta}.
+    /// Rotation e^{i theta}.
     turn: Complex,
     /// Offset factor k, in units of R.
     mesh: Complex,
-    /// e^{-i zs theta}.
+    /// Phase e^{-i zs theta}.
     phase: Complex,
-    /// X and Y + i Z.
+    /// Coefficients X and Y + i Z.
     off: f64,
     swing: Complex,
     rate: f64,
@@ -121,12 +122,12 @@ struct Evaluation<S: Simd> {
     asked: bool,
     /// True if loads on pins are requested.
     on_sleeves: bool,
-    /// Moments on input, with `LOADS`, and output.
+    /// Moments on input (with `LOADS`) and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
-    /// Couple of the output pins on their pins.
+    /// Friction couple of the output pins.
     on_pins: Lanes<S>,
-    /// Stored energy, where it is requested.
+    /// Stored energy, if requested.
     stored: Lanes<S>,
     dissipated: Lanes<S>,
     rubbed: Lanes<S>,
@@ -143,14 +144,14 @@ fn present<S: Simd>(simd: S, [a, b]: [Segment; 2]) -> Mask<S> {
     numbers.less(Lanes::splat_pair(simd, [a.count, b.count]))
 }
 
-/// `x + Re(swing E)`: above 0 what is outside for certain.
+/// Returns `x + Re(swing E)`, above 0 for a pin certainly outside.
 #[inline(always)]
 fn gap<S: Simd>(direction: ComplexLanes<S>, swing: ComplexLanes<S>, x: Lanes<S>) -> Lanes<S> {
     let imaginary = direction.im.mul_add(-swing.im, x);
     direction.re.mul_add(swing.re, imaginary)
 }
 
-/// Pushes what a run of `count` pins from `from` on takes, in registers, beside a last one that has none beside it.
+/// Appends the registers of `count` pins from `from` on, the first beside a last one without a partner.
 #[inline(always)]
 fn split<S: Simd>(
     segments: &mut Vec<[Segment; 2]>,
@@ -177,7 +178,7 @@ fn split<S: Simd>(
     }
 }
 
-/// The first values stand again after `count`, what one register holds of them: adds these to them.
+/// Adds the repeated values after `count`, one register of them, to the first ones.
 #[inline(always)]
 fn fold(values: &mut [f64], count: usize) {
     let (first, again) = values.split_at_mut(count);
@@ -185,7 +186,7 @@ fn fold(values: &mut [f64], count: usize) {
         return;
     };
     let more = take(again);
-    // Of a length that is known: a loop would be run one by one.
+    // A known length, because a loop would not be vectorised.
     if let Some(first) = first.first_chunk_mut::<{ PADDING / 2 }>() {
         for j in 0..more.len() {
             first[j] += more[j];
@@ -229,7 +230,7 @@ impl Column {
         Complex::new(self.x[k], self.y[k])
     }
 
-    /// `count` values from `from` on, x and y.
+    /// Returns x and y of `count` values from `from` on.
     #[inline(always)]
     fn part(&self, from: usize, count: usize) -> [&[f64]; 2] {
         [&self.x[from..][..count], &self.y[from..][..count]]
@@ -254,7 +255,7 @@ impl JointSpace {
                 .map(|&f| Complex::unit(f).scale(gear.eccentricity_m))
                 .collect(),
             eccentricity: gear.eccentricity_m,
-            // How far pins stand outside of C, which a radial modification makes larger or smaller.
+            // Distance of pin centres outside of C, including a radial modification.
             backlash: gear.pitch_radius_m() + gear.backlash_m - geometry.curve.pitch_radius(),
             radius: geometry.curve.pitch_radius(),
             lobes: f64::from(geometry.curve.lobes()),
@@ -274,8 +275,8 @@ impl JointSpace {
         }
     }
 
-    /// Forces at the angles and rates of `bodies`, whose places are not looked at but those of discs that float. Moments are those of discs and output,
-    /// with `LOADS` the input's and all bodies' loads, too; those on discs and pins are written. Nothing rubs.
+    /// Evaluates the forces at the angles and rates of `bodies`; only floating discs' positions are read. Returns the moments
+    /// on discs and output, with `LOADS` also the input's and all bodies' loads. Contacts are frictionless.
     #[inline(always)]
     pub(super) fn run<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
@@ -371,7 +372,7 @@ impl JointSpace {
         units.at(1)
     }
 
-    /// Lists the ring pins that are not outside for certain.
+    /// Lists the ring pins that are not certainly outside.
     #[inline(always)]
     fn list_external<S: Simd>(&mut self, simd: S) {
         let count = self.layout.external_sleeves;
@@ -382,7 +383,7 @@ impl JointSpace {
         segments.clear();
         self.is_bounded = S::F64_LANES >= ENDS;
         for (number, wheel) in self.wheels.iter().enumerate() {
-            // The first and the last that is near; before the one and after the other there is one that is not.
+            // First and last near pin: the pin before the first and the one after the last are outside.
             let (mut any, mut first, mut last) = (false, None, 0);
             for from in (0..count).step_by(Lanes::<S>::COUNT) {
                 let before = if from == 0 { count } else { from } - 1;
@@ -415,7 +416,7 @@ impl JointSpace {
         self.segments[0] = segments;
     }
 
-    /// Returns the mask of the ring pins from `from` on that are outside of a disc for certain.
+    /// Returns the mask of the ring pins from `from` on that are certainly outside of a disc.
     #[inline(always)]
     fn outside<S: Simd>(&self, simd: S, wheel: &Wheel, from: usize) -> Mask<S> {
         let directions = self.directions.load(simd, from);
@@ -424,8 +425,8 @@ impl JointSpace {
         Lanes::splat(simd, 0.0).less(gap)
     }
 
-    /// Returns true if the listed pins are still the near ones: the first and the last are near, and the pins beside them are
-    /// not. As the near ones are neighbours, these four decide for all.
+    /// True if the listed pins are still the near ones: the first and the last are near, and the pins beside them are not. Near
+    /// pins are neighbours, so these four decide for all.
     #[inline(always)]
     fn stays<S: Simd>(&self, simd: S) -> bool {
         if !self.is_bounded {
@@ -443,7 +444,7 @@ impl JointSpace {
             );
             let swing = ComplexLanes::splat_pair(simd, [one.swing, two.swing]);
             let gap = gap(ends, swing, Lanes::splat_pair(simd, [one.off, two.off]));
-            // Where it is 0 the list decides.
+            // At exactly 0 the list is renewed.
             if (gap * signs).less(gap.like(f64::MIN_POSITIVE)).any() {
                 return false;
             }
@@ -498,7 +499,7 @@ impl JointSpace {
             let wheel_lever = foot.sin * foot.inverse * c(-r * self.lobes / zk);
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            // -n.
+            // Direction -n.
             let away = foot.outward.scale(foot.inverse).times_conj(direction);
             let closing = if FLOATS {
                 self.velocities(simd, bodies, pair).dot(away) - wheel_lever * wheel_rate
@@ -578,7 +579,7 @@ impl JointSpace {
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
         let kinds = [layout.external_bodies(), layout.internal_bodies()];
-        // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
+        // No zipped iterators: the compiler may leave them outside of the function with the vector instructions.
         for (kind, bodies) in kinds.iter().enumerate() {
             let (forces, count) = (&mut self.forces[kind], bodies.len());
             if kind == 0 {

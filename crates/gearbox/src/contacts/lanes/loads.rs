@@ -9,7 +9,7 @@ use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
 use crate::contacts::pin_friction::PinFriction;
 
-/// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and what they store and dissipate to `energy`.
+/// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and stored and dissipated energy to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
     pub(super) friction: &'a [RegularisedCoulomb; 2],
@@ -63,7 +63,7 @@ impl Sink for Loads<'_> {
             };
             *lost -= (drag * sliding).only(mask).sum();
         }
-        // Masked lanes may hold anything, NaN included.
+        // Masked lanes may have any value, even NaN.
         let on_sleeve = on_sleeve.only(touching.mask);
         let point = touching.point.only(touching.mask);
         let total = wheel.push(&group, &self.law, n, point, on_sleeve);

@@ -1,8 +1,8 @@
-//! Contact loop over pairs of discs and pins, several at a time: the fast form of [`pairs`](super::pairs).
+//! Contact loop over pairs of discs and pins, several at a time: the fast counterpart of [`pairs`](super::pairs).
 //!
 //! Exact detection only. Pin states are in structure-of-arrays columns, padded to full groups of lanes whose surplus is masked.
-//! Formulas, signs and frames are those of the scalar loop, which is kept as the reference (tests: equal to 1e-13 relative).
-//! The vector instructions are chosen at run time from those of the processor.
+//! Formulas, signs and frames are those of the scalar loop, the reference (tests: equal to 1e-13 relative). The vector
+//! instructions are selected at run time from those of the processor.
 
 mod active_pairs;
 mod columns;
@@ -44,12 +44,11 @@ pub(super) struct LaneField {
     joint_space: Option<JointSpace>,
     /// True if discs have no joint.
     floats: bool,
-    /// Scalar loop for single pairs, for which lanes gain nothing.
+    /// Scalar loop for single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
 }
 
-/// One loop over all pairs, in the form that the dispatcher needs: functions inlined here are compiled once per instruction
-/// set.
+/// Loop over all pairs in the form required by the dispatcher: functions inlined here are compiled once per instruction set.
 struct PairLoop<'a, K> {
     pairs: &'a mut LanePairs,
     bodies: &'a [BodyState],
@@ -104,7 +103,7 @@ impl LaneField {
             }),
             pins: PinFriction::of(scene),
             floats: scene.bearings.eccentric.is_some(),
-            // Cranks stand where their bodies do, and have no levers.
+            // Cranks move like free bodies, without levers.
             joint_space: (!scene.slides() && scene.cranks.is_none())
                 .then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
@@ -146,8 +145,7 @@ impl LaneField {
         });
     }
 
-    /// Computes moments, and loads if they are requested, of bodies with the poses that their joints prescribe, without
-    /// friction.
+    /// Computes moments, and loads if requested, of bodies with the poses that their joints prescribe, without friction.
     fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
         &mut self,
         bodies: &[BodyState],

@@ -8,7 +8,7 @@ use super::columns::Sleeves;
 use super::shapes::{Shapes, Touching};
 use crate::Layout;
 
-/// Columns of all pins and shapes of all curves, which one loop over the pairs reads.
+/// Columns of all pins and shapes of all curves, the inputs of a loop over the pairs.
 pub(super) struct LanePairs {
     pub(super) layout: Layout,
     pub(super) shapes: Shapes,
@@ -20,7 +20,7 @@ pub(super) struct LanePairs {
 pub(super) struct Wheel<S: Simd> {
     pub(super) number: usize,
     pub(super) centre: ComplexLanes<S>,
-    /// e^{i theta}, disc frame to ground.
+    /// Rotation e^{i theta}, disc frame to ground.
     pub(super) turn: ComplexLanes<S>,
     /// Inverse of `turn`.
     pub(super) back: ComplexLanes<S>,
@@ -48,8 +48,8 @@ impl<S: Simd> Wheel<S> {
         }
     }
 
-    /// Takes the reactions of the force `on_sleeve` at `point`, 0 where nothing touches, and of the law's force along the
-    /// profile at the pins' centres; returns what the pins receive in all.
+    /// Adds the reactions of the force `on_sleeve` at `point`, 0 without contact, and of the law's force along the profile at
+    /// the pins' centres; returns the total force on the pins.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -73,7 +73,7 @@ impl<S: Simd> Wheel<S> {
 
 /// Lanes of one group, some of which touch.
 pub(super) struct Group<'a, S: Simd> {
-    /// True for ring pins, else internal ones.
+    /// True for ring pins, else output pins.
     pub(super) external: bool,
     /// Number of the group's first pin.
     pub(super) from: usize,
@@ -107,8 +107,8 @@ impl<S: Simd> Group<'_, S> {
         }
     }
 
-    /// Returns the force on the pins at their centres along t, N, in lanes that touch, and 0 in others; `None` where the law
-    /// has no such force.
+    /// Returns the force on the pins at their centres along t, N, in touching lanes, and 0 in others; `None` if the law has no
+    /// such force.
     #[inline(always)]
     pub(super) fn along(&self, law: &PinLaw) -> Option<Lanes<S>> {
         let touching = &self.touching;
@@ -121,7 +121,7 @@ impl<S: Simd> Group<'_, S> {
     }
 
     /// Returns the velocity of the pins relative to the disc at W, in the disc's frame; see `Pairs::load`. A pin's spin moves W
-    /// across the normal only: without friction it may be omitted.
+    /// across the normal only, so it may be omitted without friction.
     #[inline(always)]
     pub(super) fn relative_velocity(
         &self,
@@ -143,19 +143,19 @@ impl<S: Simd> Group<'_, S> {
 
 /// Operation on touching pairs.
 pub(super) trait Sink {
-    /// A group of which some lanes touch.
+    /// Processes a group of which some lanes touch.
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
 
     /// Ends a disc (body index `body`), all of whose groups were evaluated.
     #[inline(always)]
     fn end<S: Simd>(&mut self, _body: usize, _wheel: &Wheel<S>) {}
 
-    /// Ends the loop after the last disc; `sleeves`: columns of ring pins and output pins, with the sums in them.
+    /// Ends the loop after the last disc; `sleeves`: columns of ring pins and output pins with their sums.
     #[inline(always)]
     fn finish(&mut self, _sleeves: [&Sleeves; 2]) {}
 }
 
-/// Visits every group with a touching pair: disc by disc, ring pins before internal ones.
+/// Visits every group with a touching pair: disc by disc, ring pins before output pins.
 #[inline(always)]
 pub(super) fn pair_loop<S: Simd>(
     simd: S,
@@ -173,7 +173,7 @@ pub(super) fn pair_loop<S: Simd>(
     internal.gather(bodies);
     for (i, body) in layout.wheel_bodies().enumerate() {
         let mut wheel = Wheel::new(simd, i, &bodies[body]);
-        // The ideal mesh has the foot of pin j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        // In the ideal mesh the foot of pin j is at a0 = beta_j - theta, and zk beta_j is a multiple of 2 pi.
         let multiple = wheel.back.lane(0).powu(shapes.zk);
         let multiple = ComplexLanes::splat(simd, multiple);
         for (from, present) in external.groups(simd) {

@@ -15,7 +15,7 @@ pub(super) struct Touching<S: Simd> {
     pub(super) normal: ComplexLanes<S>,
     pub(super) penetration: Lanes<S>,
     pub(super) stiffness: Lanes<S>,
-    /// Rate at which n turns towards t = R90 n as the pin's centre moves along t, 1/m.
+    /// Rate at which n rotates towards t = R90 n as the pin's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
     /// Feet of ring pins.
     pub(super) foot: Option<LocalFeet<S>>,
@@ -38,9 +38,9 @@ pub(super) struct Shapes {
     pub(super) zk: u32,
     /// Distance q' of the edge inside of C, m.
     edge: f64,
-    /// Excess q - q' of the pins' radius over the tool's, m: never above 0.
+    /// Excess q - q' of the pins' radius over the tool's, m; never above 0.
     larger: f64,
-    /// q, q' and q - q', or 0 where K does not change with the curvature.
+    /// Radii q, q' and q - q', or 0 where K does not change with the curvature.
     bending: [f64; 3],
     /// K where C is straight, N/m^1.5: K = `profile_stiffness` * sqrt((1 - q' kappa)/(1 + (q - q') kappa)).
     profile_stiffness: f64,
@@ -91,7 +91,7 @@ impl Shapes {
         let foot = feet.foot;
         let edge = p.re.like(self.edge);
         let (mask, penetration) = self.pressed(&foot);
-        // P moves along t by 1 - delta kappa times what the foot moves, and t points towards smaller parameters.
+        // P moves along t by 1 - delta kappa times the distance of the foot, and t points towards smaller parameters.
         let closer = (p.re.like(1.0) - foot.curvature * foot.depth).recip();
         Touching {
             mask,
@@ -115,8 +115,8 @@ impl Shapes {
         (foot.inside.and(pressed), penetration)
     }
 
-    /// Returns the derivatives of K where ring pins touch: with c and s the cosine and sine of zs a at the foot, g = 1 + m^2 +
-    /// 2 m c, and ' the derivative along C,
+    /// Returns the derivatives of K where ring pins touch, with c and s the cosine and sine of zs a at the foot, g = 1 + m^2 +
+    /// 2 m c, and ' the derivative along C:
     ///
     /// ```text
     /// kappa'  = -zs N m s/(R^2 g^3),    N = (1 + zk) g - 3 (1 + m^2 zk + m (1 + zk) c)
@@ -124,7 +124,7 @@ impl Shapes {
     /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + (q' - 3 l + 4 q' l kappa) kappa'^2/(2 r))/(2 r)
     /// r = (1 - q' kappa)(1 + l kappa),    l = q - q'
     /// ```
-    /// The pin's centre moves along t by -(1 - delta kappa) times the foot's way.
+    /// The pin's centre moves along t by -(1 - delta kappa) times the distance of the foot.
     #[inline(always)]
     pub(super) fn stiffness_slopes<S: Simd>(
         &self,

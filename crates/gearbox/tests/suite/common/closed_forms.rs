@@ -1,6 +1,6 @@
-//! Closed forms of the loaded mesh, against which the solver is checked.
+//! Closed forms of the loaded mesh, for verification of the solver.
 //!
-//! A rigid disc without backlash on equal linear springs shares its torque by the levers of the contact normals:
+//! A rigid disc without backlash on equal linear springs distributes its torque by the levers of the contact normals:
 //!
 //! ```text
 //! l_i = e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)),    F_i = T l_i/sum of l_k^2 over the loaded pins (l_k > 0)
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use pinwheel_scene::Gear;
 
-/// One disc at zero clearance on linear springs.
+/// Disc at zero clearance on linear springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearMesh {
     /// Eccentricity e, m.
@@ -34,20 +34,20 @@ impl LinearMesh {
         }
     }
 
-    /// Lever of the normal at the pin that stands at `angle` from the eccentric, about the disc's centre, m.
+    /// Returns the lever of the normal at the pin at `angle` from the eccentric, about the disc's centre, m.
     pub(crate) fn lever(&self, angle: f64) -> f64 {
         let (m, zs) = (self.shortening, self.sleeves as f64 - 1.0);
         self.eccentricity * zs * angle.sin() / (1.0 + m * m - 2.0 * m * angle.cos()).sqrt()
     }
 
-    /// Forces on all pins, N, for a torque of `torque` N m on the disc, the first pin standing at
-    /// `first` rad from the eccentric. Pins that only could pull have 0.
+    /// Returns the forces on all pins, N, for `torque` (N m) on the disc, with the first pin at `first` rad from the eccentric.
+    /// Pins that could only pull have 0.
     pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let angle = |k| first + TAU * k as f64 / self.sleeves as f64;
         shared((0..self.sleeves).map(|k| self.lever(angle(k))), torque)
     }
 
-    /// Force of all pins on the disc, N: along the eccentric (away from the gear's centre), and across it.
+    /// Returns the force of all pins on the disc, N: along the eccentric (away from the gear's centre), and across it.
     ///
     /// Every normal passes through the pitch point, e zk from the gear's centre, so the part across is T/(e zs) exactly.
     pub(crate) fn bearing(&self, first: f64, torque: f64) -> [f64; 2] {
@@ -63,7 +63,7 @@ impl LinearMesh {
         sum
     }
 
-    /// Largest force of any pin at each of `positions` poses over one pitch: returns its least and largest value, N.
+    /// Returns the least and the largest, over `positions` poses of one pitch, of the largest pin force, N.
     pub(crate) fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
         let pitch = TAU / self.sleeves as f64;
         (0..positions)
@@ -77,11 +77,11 @@ impl LinearMesh {
     }
 }
 
-/// One disc on its output pins, at zero clearance on linear springs.
+/// Disc on its output pins, at zero clearance on linear springs.
 ///
-/// Seen from the output shaft a disc moves on a circle of radius e without turning, so all normals are parallel to the
-/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of pin k from the eccentric. They share the torque like the
-/// ring pins and on the same side: a disc is pressed inward by these and towards the gear's centre by those.
+/// Relative to the output shaft a disc moves on a circle of radius e without rotation, so all normals are parallel to the
+/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of pin k from the eccentric. The pins share the torque like the ring
+/// pins and on the same side: output pins press a disc inward, ring pins towards the gear's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearOutput {
     /// Radius rw of the circle of output pins, m.
@@ -99,8 +99,8 @@ impl LinearOutput {
         }
     }
 
-    /// Forces on all pins, N, for a torque of `torque` N m on the disc, the first pin standing at
-    /// `first` rad from the eccentric. Pins that only could pull have 0.
+    /// Returns the forces on all pins, N, for `torque` (N m) on the disc, with the first pin at `first` rad from the eccentric.
+    /// Pins that could only pull have 0.
     pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let lever = |k| (first + TAU * k as f64 / self.sleeves as f64).sin();
         shared(
@@ -110,14 +110,14 @@ impl LinearOutput {
     }
 }
 
-/// Shares the torque among the pins whose lever is positive.
+/// Distributes the torque among the pins with positive levers.
 fn shared(levers: impl Iterator<Item = f64>, torque: f64) -> Vec<f64> {
     let levers: Vec<f64> = levers.map(|l| l.max(0.0)).collect();
     let sum: f64 = levers.iter().map(|l| l * l).sum();
     levers.iter().map(|l| torque * l / sum).collect()
 }
 
-/// Smallest convex radius of C, R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), m; where it lies between lobe and pit.
+/// Returns the smallest convex radius of C, R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3), m, if it is between lobe and pit.
 pub(crate) fn smallest_convex_radius(gear: &Gear) -> f64 {
     let (m, zk) = (gear.shortening, gear.external_sleeves as f64);
     gear.pitch_radius_m() * (27.0 * (1.0 - m * m) * (zk - 1.0) / (zk + 1.0).powi(3)).sqrt()

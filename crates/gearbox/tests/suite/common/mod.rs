@@ -1,4 +1,4 @@
-//! Native runs of presets, and how far one lies from another.
+//! Native runs of presets, and distances between them.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::Kernel;
@@ -15,7 +15,7 @@ pub(crate) fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> Native
         .unwrap()
 }
 
-/// Relative L2 distance of all pin forces together.
+/// Returns the relative L2 distance of all pin forces jointly.
 pub(crate) fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for channel in b.time_series.channels() {

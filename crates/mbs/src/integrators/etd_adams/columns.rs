@@ -87,7 +87,7 @@ impl Columns {
     #[inline(always)]
     pub fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
         let out = out.as_chunks_mut::<ROWS>().0;
-        // No zipped iterators: the compiler may leave them outside of a function that has vector instructions.
+        // No zipped iterators: the compiler may leave them outside of the function with the vector instructions.
         for (b, out) in out.iter_mut().enumerate() {
             let columns = &self.entries[b * self.columns + first..][..x.len()];
             let mut sums = [0.0; ROWS];
@@ -100,8 +100,9 @@ impl Columns {
         }
     }
 
-    /// The first columns of `out` = those of this matrix from `first` on, in whole blocks, times the matrix whose columns are in `right`,
-    /// and where `first` is not 0 the first ones by a factor, added to the columns from there on.
+    /// Sets the first columns of `out` to this matrix' columns from `first` on, in full blocks, times the matrix with the
+    /// columns `right`. If `first` is not 0, adds this matrix' first columns times `factor` to the columns of `out` from
+    /// `first` on.
     #[inline(always)]
     pub(super) fn multiply_wide(
         &self,
@@ -130,7 +131,7 @@ impl Columns {
         }
     }
 
-    /// Column `to` = sum of columns of another matrix by their factors: the rows that the other has.
+    /// Sets column `to` to the weighted sum of columns of another matrix, in the rows of that matrix.
     #[inline(always)]
     pub(super) fn set_sum<const N: usize>(
         &mut self,
@@ -159,7 +160,7 @@ impl Columns {
         }
     }
 
-    /// Rows of column `to` from `row` on, as many as there are positions = a factor times the first ones of a column of another matrix.
+    /// Sets rows of column `to` from `row` on to `factor` times the first `row` entries of a column of another matrix.
     #[inline(always)]
     pub(super) fn write_below(
         &mut self,
@@ -177,7 +178,7 @@ impl Columns {
         }
     }
 
-    /// Sets column `to` to the sum of weights[k] times the columns from `from` on at a distance of `step`.
+    /// Sets column `to` to the sum of weights[k] times column `from` + k `step`.
     #[inline(always)]
     pub(super) fn combine(&mut self, to: usize, weights: &[f64], from: usize, step: usize) {
         for b in 0..self.entries.len() / self.columns {
@@ -199,8 +200,8 @@ fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
     }
 }
 
-/// Computes x = matrix known, then product = rows x, with the vector instructions of the processor. Here and in [`Judge`] no
-/// product is fused with a sum, so that all processors round alike.
+/// Computes x = matrix known, then product = rows x, with the processor's vector instructions. Here and in [`Judge`] no product
+/// is fused with a sum, so that all processors round alike.
 pub(super) struct Predict<'a> {
     pub(super) matrix: &'a Columns,
     pub(super) known: &'a [f64],
@@ -223,7 +224,7 @@ impl pulp::WithSimd for Predict<'_> {
 /// Matrix, the first of its columns to use, and the vector to multiply them by.
 pub(super) type Factors<'a> = (&'a Columns, usize, &'a [f64]);
 
-/// Computes the sums of the squares of weighted products, infinite where there is none; `out` is the last product.
+/// Computes the sums of squares of weighted products, infinite for a missing factor; `out` is the last product.
 pub(super) struct Judge<'a> {
     pub(super) factors: [Option<Factors<'a>>; 3],
     pub(super) weights: &'a [f64],

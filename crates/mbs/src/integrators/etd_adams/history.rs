@@ -69,8 +69,7 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// Sets f and its remainder f - L x. Numbers are read singly, as f was written, because a processor waits for data that it
-    /// is to read several at a time.
+    /// Sets f and its remainder f - L x. Numbers are read one by one, as f was written: a wider read would stall the processor.
     #[inline]
     pub(super) fn set(&mut self, f: &[f64], product: &[f64]) {
         let count = f.len();
@@ -103,8 +102,8 @@ pub(super) struct History {
     dimension: usize,
     /// Length of the remainder.
     width: usize,
-    /// x, written where it is needed, then backward differences of the remainder at the newest point, of rising order, one
-    /// after the other.
+    /// State x, written when needed, then backward differences of the remainder at the newest point, of rising order, one after
+    /// the other.
     differences: Vec<f64>,
     /// Number of differences that are valid for the present points.
     differed: usize,
@@ -165,7 +164,7 @@ impl History {
         if self.differed >= count {
             return;
         }
-        // Those of the oldest point that counts, then one point after the other.
+        // Start with the oldest required point, then add one point after the other.
         let first = if self.before + 1 >= count {
             0
         } else {
@@ -206,7 +205,7 @@ impl History {
     }
 
     /// Writes to `out`, one after the other, the coefficients b_k of the polynomial through the first `count` points, whose
-    /// differences are computed.
+    /// differences must be computed.
     pub(super) fn coefficients(&self, count: usize, out: &mut [f64]) {
         let width = self.width;
         for (k, out) in out.chunks_exact_mut(width).take(count).enumerate() {
@@ -224,7 +223,7 @@ impl History {
     }
 }
 
-/// Backward differences, in rows of `width` each, of one more value `g`: those of N columns, which stay in a register.
+/// Updates backward differences, in rows of `width`, by another value `g`, for N columns at a time, which stay in a register.
 #[inline(always)]
 fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize, g: &[f64]) {
     let mut difference: [f64; N] = std::array::from_fn(|k| g[column + k]);
@@ -236,12 +235,12 @@ fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize,
 }
 
 /// Converts coefficients b_k of a polynomial to its backward differences at a distance of `share` units: one after the other,
-/// of `width` each.
+/// `width` entries each.
 pub fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
     let count = coefficients.len() / width;
     let mut factor = 1.0;
     for j in 0..count {
-        // Those of higher powers are no differences yet.
+        // Entries of higher powers are not yet differences.
         let (to, above) = coefficients[j * width..].split_at_mut(width);
         for (c, to) in to.iter_mut().enumerate() {
             let mut power = factor;
@@ -255,7 +254,7 @@ pub fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
     }
 }
 
-/// Converts backward differences of a polynomial, all that are not 0, to those one point before.
+/// Converts all nonzero backward differences of a polynomial to those one point earlier.
 pub fn step_back(differences: &mut [f64], width: usize) {
     for k in 0..differences.len() - width {
         differences[k] -= differences[k + width];

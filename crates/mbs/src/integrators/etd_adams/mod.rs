@@ -1,4 +1,4 @@
-//! Exponential Adams: a multistep method that is exact for the system's linear part and extrapolates the rest.
+//! Exponential Adams: a multistep method that is exact for the system's linear part and extrapolates the remainder.
 //!
 //! ```text
 //! y' = L y + g(t),    g = f - L y at the last evaluations
@@ -9,11 +9,11 @@
 //! ```
 //! [Norsett 1969; Calvo & Palencia, Numer. Math. 102 (2006) 367; Hochbruck & Ostermann, Acta Numerica 19 (2010) 209, 2.6]. L is
 //! the system's own Jacobian, updated from time to time. Oscillations that L describes are exact at any phase within a step.
-//! The remainder of f alone limits the step, mostly by contacts that open and close. A step costs one evaluation, where an
-//! explicit Runge-Kutta method of order five takes six for a slightly longer step.
+//! Only the remainder of f limits the step, mainly by contacts that open and close. A step costs one evaluation; an explicit
+//! Runge-Kutta method of order five takes six for a slightly longer step.
 //!
-//! Every segment begins with Dormand-Prince, whose dense output gives the history. It takes over again where steps would become
-//! shorter than a sixth of its own; without a Jacobian of the system it makes all steps.
+//! Every segment begins with Dormand-Prince, whose dense output gives the history. Dormand-Prince takes over again if steps
+//! fall below a fiftieth of its own, and makes all steps of a system without a Jacobian.
 //!
 //! Steps end at the times that the caller requests next ([`Stepper::set_stop_time`]): the step to a sample and the sample share
 //! one evaluation. The sample is then the predicted state, unless its error is too large. Steps change by factors of two (and
@@ -45,48 +45,46 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     // Steps end at samples, so that all runs of a refinement take equal steps in smooth intervals. Errors reached 3.3
     // tolerances where these runs agreed (28 random gears; a gear of three discs differed by 1.4 from foreign engines).
     shared_error: 4.0,
-    // Twice the step for ten times the tolerance.
+    // Doubling of the step for ten times the tolerance.
     step_power: std::f64::consts::LOG10_2,
     ..ADAPTIVE
 };
 
-/// Errors, in tolerances, above which a step is not taken, and above which the next is half as long; and what the error of a
-/// step twice as long must be expected below.
+/// Errors in tolerances: above the first a step is rejected, above the second the next step is halved; the expected error of a
+/// doubled step must be below the third.
 const REJECT: f64 = 3.0;
 const HALVE: f64 = 1.0;
 const GROW: f64 = 0.5;
 /// Largest distance of predicted from corrected states, in tolerances, at which they serve as samples.
 const SHOWN: f64 = 10.0;
-/// Steps from one look at the Jacobian to the next, and the share by which it must have moved to be taken: a linear part
-/// that is renewed at every step makes the method unstable at the higher order.
+/// Steps between checks of the Jacobian, and the relative change from which a new one is used: updating the linear part at
+/// every step makes the method unstable at the higher order.
 const LOOK: u64 = 16;
 const MOVED: f64 = 0.1;
-/// Where it has moved by less than this part of that since it was taken, the next look comes after twice as many steps, up to the
-/// second; until steps become shorter.
+/// Share of the permitted change below which the interval between checks doubles, up to the second constant; shorter steps
+/// reset it.
 const CALM: f64 = 0.5;
 const RAREST_LOOK: u64 = 128;
-/// Where springs turn with the mechanism, steps bear less the more of their turns they take: this share over (|h| |L|)^2. On needles
-/// `paper` takes 4335 evaluations with as many Jacobians, and its driver's torque is 3e-4 off; with the share above it took 5105 for
-/// 1.3e-3.
+/// Permitted change of the Jacobian if springs turn with the mechanism: this share over (|h| |L|)^2, at most the share above.
+/// On needles `paper` takes 4335 evaluations with as many Jacobians, with an error of 3e-4 of the driver's torque; the share
+/// above took 5105 for 1.3e-3.
 const TURNING: f64 = 0.05;
-/// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer; and the same of springs
-/// that turn, which are kept new.
+/// Longest step, as |h| |L| with the size of [`Linear`], half as much again if a new Jacobian is stiffer. The second applies to
+/// springs that turn, whose Jacobian is updated often.
 const TURNS: f64 = 3.0;
 const TURNING_TURNS: f64 = 6.0;
-/// Longest step of any springs, as |h| |L|, where the tolerance is [`COARSE`] or looser. The exponential's series loses
-/// 1e-11 to rounding there.
+/// Longest step of any springs, as |h| |L|, where the tolerance is [`COARSE`] or looser. Rounding of the exponential's series
+/// is 1e-11 there.
 const COARSE_TURNS: f64 = 12.0;
 const COARSE: f64 = 1e-6;
-/// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
-/// anew.
+/// Shortest step, relative to Dormand-Prince's: a closing contact takes few such steps, which cost less than a restart.
 const LEAST: f64 = 0.02;
-/// Number of steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
+/// Number of steps of Dormand-Prince before the first attempt; doubled after a failure, up to the second constant.
 const WAIT: u64 = 4;
 const LONGEST_WAIT: u64 = 64;
-/// Distance to the next requested time, in steps of Dormand-Prince, beyond which the method does not wait for that time to
-/// begin.
+/// Distance to the next requested time, in steps of Dormand-Prince, beyond which the method begins before that time.
 const FAR: f64 = 8.0;
-/// Number of steps after which a trial is no failure.
+/// Number of steps after which an attempt counts as a success.
 const SUCCESS: u64 = 16;
 
 /// Number of stored steps of Dormand-Prince.
@@ -109,10 +107,10 @@ pub struct EtdAdams {
     start: Dopri5,
     pieces: Vec<Dense>,
     known_pieces: usize,
-    /// Steps of Dormand-Prince since it began, and the number after which the method is tried.
+    /// Steps of Dormand-Prince since it began, and their number before the next attempt.
     begun: u64,
     wait: u64,
-    /// True while the multistep method has its history.
+    /// True while the multistep method has a history.
     runs: bool,
     /// True if the system has no Jacobian.
     refused: bool,
@@ -124,7 +122,7 @@ pub struct EtdAdams {
     explicit: f64,
     /// True if the last step ended at a requested time.
     at_stop: bool,
-    /// Steps since the multistep method took over, and since the last look at the Jacobian.
+    /// Steps since the multistep method took over, and since the last check of the Jacobian.
     taken: u64,
     since_look: u64,
     look_after: u64,
@@ -135,7 +133,7 @@ pub struct EtdAdams {
     shown: bool,
     /// f of all rows, and errors; padded.
     f: Vec<f64>,
-    /// Errors of the components that count as 1, then the inverses of the permitted errors; padded.
+    /// Scales of the components' errors, then the inverses of the permitted errors; padded.
     scales: Vec<f64>,
     weights: Vec<f64>,
 }
@@ -186,7 +184,7 @@ impl EtdAdams {
         }
     }
 
-    /// Returns the number of steps to the next requested time, none longer than `most`; 0 if none is requested.
+    /// Returns the number of equal steps, none longer than `most`, to the next requested time; 0 if none is requested.
     fn count_to_stop(&self, most: f64) -> f64 {
         let distance = self.stop_time - self.time;
         if distance.is_finite() && distance > SAME * most {
@@ -198,7 +196,7 @@ impl EtdAdams {
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over(&mut self, system: &mut dyn OdeSystem) -> bool {
-        // The method begins at a requested time, or where the next one is far.
+        // The method begins at a requested time, or if the next one is far.
         let begins = self.at_stop || self.stop_time - self.time > FAR * self.pieces[0].taken;
         let due = !self.refused && self.begun >= self.wait;
         if !due || self.known_pieces < 2 || !begins {
@@ -301,7 +299,7 @@ impl EtdAdams {
         let h = fit(largest.min(self.longest));
         let alike = |a: f64, b: f64| (a - b).abs() <= 10.0 * SAME * b;
         let doubled = alike(h, 2.0 * self.h);
-        // Between once and twice the step there is no history.
+        // Between one and two steps there is no history.
         let h = if h > self.h && !doubled {
             fit(self.h.min(self.longest))
         } else {
@@ -347,14 +345,14 @@ impl EtdAdams {
             .zip(&mut self.scales)
             .zip(&mut self.weights)
         {
-            // Most scales are unchanged; a quotient takes as long as all else here.
+            // Most scales are unchanged, and a quotient would take as long as everything else here.
             if *scale != *known {
                 (*known, *weight) = (*scale, (self.tolerance * *scale).recip());
             }
         }
     }
 
-    /// Makes one step of the multistep method. False: Dormand-Prince must continue.
+    /// Makes one step of the multistep method; false if Dormand-Prince must continue.
     fn multistep_step(&mut self, system: &mut dyn OdeSystem) -> bool {
         self.look(system);
         let Some(mut multistep) = self.multistep.take() else {
@@ -397,8 +395,7 @@ impl EtdAdams {
         true
     }
 
-    /// Tries a step of the points' distance. True: accepted; false: the method should give up; `None`: a shorter step should be
-    /// tried.
+    /// Tries a step of the points' distance. True: accepted; false: the method must end; `None`: a shorter step is needed.
     fn attempt(&mut self, multistep: &mut Multistep, system: &mut dyn OdeSystem) -> Option<bool> {
         let (which, h) = (self.which, self.h);
         let order = ORDERS[which];
@@ -484,7 +481,7 @@ impl EtdAdams {
         let same = SAME * stepper.next_step();
         let waits = !self.refused && self.begun + 1 >= self.wait;
         if (waits || self.begun == 0) && distance > same {
-            // The multistep method begins at a requested time, and its failed step, which went no farther, is replaced.
+            // The multistep method begins at a requested time, and a failed step, which went no farther, is replaced.
             stepper.shorten(distance);
         }
         stepper.step(system)?;
@@ -509,7 +506,7 @@ impl Stepper for EtdAdams {
                 return Ok(());
             }
             self.runs = false;
-            // A short-lived trial is repeated later.
+            // A short trial is repeated later.
             self.wait = if self.taken < SUCCESS {
                 (2 * self.wait).min(LONGEST_WAIT)
             } else {

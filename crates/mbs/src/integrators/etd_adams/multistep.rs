@@ -9,13 +9,13 @@ use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 use crate::lu::Lu;
 
-/// Orders K: the lower for intervals in which contacts open and close, the higher for smooth ones; each step takes the one with
-/// the smaller error.
+/// Orders K: the lower for intervals with opening and closing contacts, the higher for smooth ones; each step takes the one
+/// with the smaller error.
 pub(super) const ORDERS: [usize; 2] = [3, 5];
 const HIGHEST: usize = ORDERS[1];
 /// Number of coefficients of polynomials through the points of the highest order and one more.
 pub(super) const TERMS: usize = HIGHEST + 2;
-/// Relative difference up to which two lengths, or two times in a step, count as equal.
+/// Relative difference below which two lengths, or two times in a step, are equal.
 pub(super) const SAME: f64 = 1e-9;
 /// Number of stored step matrices: steps alternate between few lengths.
 const KEPT: usize = 4;
@@ -29,12 +29,12 @@ pub(super) struct Step {
     pub(super) errors: [Columns; 2],
 }
 
-/// State that exists once the system has given its Jacobian.
+/// Data of the method, available once the system has provided its Jacobian.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Multistep {
     pub(super) jacobian: Jacobian,
     pub(super) linear: Linear,
-    /// Newer linear part, for comparison.
+    /// Newer linear part, for comparison with the present one.
     pub(super) newer: Linear,
     pub(super) line: Line,
     pub(super) history: History,
@@ -126,7 +126,7 @@ impl Multistep {
         self.last_built
     }
 
-    /// Writes the state a time `tau` after `time`, where it is `y`, with the remainder of the known points.
+    /// Writes the state at `time` + `tau` from `y` at `time`, with the remainder of the stored points.
     pub(super) fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
         let count = self.history.count.min(TERMS);
         self.history.differ(count);
@@ -137,8 +137,8 @@ impl Multistep {
         self.line.restore(time + tau, out);
     }
 
-    /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and the
-    /// states are those from which steps lead to `y` at `time`. Returns false if there are none.
+    /// Reduces the distance of the points from `h` to `to` without evaluations: the remainder is interpolated, and the states
+    /// are those from which steps lead to `y` at `time`. Returns false if there are none.
     pub(super) fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) -> bool {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
         let count = self.history.count.min(TERMS);

@@ -1,14 +1,13 @@
-//! Linear part of a system over a step: exact exponentials and the integrals of polynomials under them.
+//! Effect of a system's linear part over a step: exact exponentials and the integrals of polynomials under them.
 //!
 //! ```text
 //! x' = L x + g(t),    g(t + s h) = sum_k b_k s^k/k!
 //! x(t + tau) = phi_0(tau L) x + tau sum_k (tau/h)^k phi_k+1(tau L) b_k,
 //! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
-//! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
-//! Where positions q' = v lie above their rates only their rows are summed: L phi = phi L, and the upper rows of L phi are the
-//! lower ones of phi.
-//! Steps with |tau| |L| up to 3 or so lose no digits, and those up to 12 five.
+//! The highest phi is a Taylor sum in Horner's form, the others follow by recurrence [Hochbruck & Ostermann 2010, 2.1]. For
+//! positions q' = v above their rates, only the rows of the positions are summed: L phi = phi L, and the upper rows of L phi
+//! are the lower ones of phi. Steps with |tau| |L| up to about 3 lose no digits, and those up to 12 five.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +20,7 @@ const ROUNDING: f64 = 1e-17;
 /// Largest number of terms of Taylor sums.
 const MOST_TERMS: usize = 60;
 
-/// Backward differences become coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
+/// Matrix from backward differences to coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
 const fn powers() -> [[f64; MOST]; MOST] {
     let mut out = [[0.0; MOST]; MOST];
     out[0][0] = 1.0;
@@ -39,7 +38,8 @@ const fn powers() -> [[f64; MOST]; MOST] {
     out
 }
 
-/// Powers become backward differences: D^j of s^k/k! at 0, as D of it is - sum_i (-1)^i/i! s^(k - i)/(k - i)! with i from 1 on.
+/// Matrix from powers to backward differences: D^j of s^k/k! at 0, with D s^k/k! = - sum_i (-1)^i/i! s^(k - i)/(k - i)! for i
+/// from 1 on.
 const fn differences() -> [[f64; MOST]; MOST] {
     let mut out = [[0.0; MOST]; MOST];
     out[0][0] = 1.0;
@@ -65,7 +65,7 @@ pub(super) const MOST: usize = 9;
 pub(super) const DIFFERENCES: [[f64; MOST]; MOST] = differences();
 pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 
-/// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
+/// Linear part L. Systems of second order have the unit matrix in the first rows, which have no remainder g.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Linear {
     /// Length of x.
@@ -74,14 +74,14 @@ pub struct Linear {
     pub first: usize,
     /// Rows from the first on.
     pub rows: Columns,
-    /// Factors that convert the entries to units in which all components are alike.
+    /// Factors that convert the entries to units in which all components have equal scales.
     alike: Columns,
-    /// Bound of |L| in these units, in which positions and rates are alike too, 1/s.
+    /// Bound of |L| in these units, with equal scales of positions and rates, 1/s.
     pub size: f64,
 }
 
 impl Linear {
-    /// Creates a linear part of zeros. `scale`: errors of the components that weigh alike.
+    /// Creates a linear part of zeros. `scale`: scales of the components' errors.
     pub fn new(structure: &Structure, scale: &[f64]) -> Self {
         let dimension = scale.len();
         let first = match structure {
@@ -92,7 +92,7 @@ impl Linear {
         let mut alike = rows.clone();
         for i in 0..dimension - first {
             for j in 0..dimension {
-                // Of a position's row and column both are measured as positions, of a rate's both as rates.
+                // Row and column of a position both have the scale of positions, those of a rate the scale of rates.
                 let own = if j < first { i } else { first + i };
                 *alike.entry_mut(i, j) = scale[j] / scale[own];
             }
@@ -170,7 +170,7 @@ impl Linear {
     }
 }
 
-/// Effect of a time `tau` on a state and on a polynomial remainder.
+/// Effect of a time step `tau` on a state and on a polynomial remainder.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Propagator {
     /// Time tau, s; NaN: none.
@@ -179,7 +179,7 @@ pub struct Propagator {
     terms: usize,
     /// Factors of x, then those of the differences of the remainder, from the 0th on.
     pub matrix: Columns,
-    /// Upper rows of phi_k+1 and of phi_k, with columns for whole blocks of rates: scratch.
+    /// Scratch: upper rows of phi_k+1 and of phi_k, with the rates padded to a multiple of [`ROWS`] columns.
     above: Columns,
     here: Columns,
     /// Scaled matrix tau L: scratch.
@@ -202,8 +202,8 @@ impl Propagator {
         }
     }
 
-    /// Becomes that of `tau`, for a remainder by its backward differences at a distance of `unit`: what multiplies the j-th of them
-    /// is h Gamma_j where both are h.
+    /// Builds the propagator of `tau` for a remainder given by its backward differences at a distance of `unit`. The factor of
+    /// the j-th difference is h Gamma_j if both are h.
     pub fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
         pulp::Arch::new().dispatch(Build {
             to: self,
@@ -220,8 +220,8 @@ impl Propagator {
             .multiply_wide(first, &self.scaled, self.tau, &mut self.here);
     }
 
-    /// Columns `to` of what it is: `weight` times those of phi_k+1 from `from` on, whose upper rows are `above`, and phi_k+1 tau L
-    /// `here`.
+    /// Writes columns `to`: `weight` times columns of phi_k+1 from `from` on. Their upper rows are `above`; `here` is phi_k+1
+    /// tau L.
     #[inline(always)]
     fn write(&mut self, linear: &Linear, to: std::ops::Range<usize>, from: usize, weight: f64) {
         let lower = weight / self.tau;
@@ -263,7 +263,7 @@ impl Propagator {
         (&self.matrix, linear.dimension + k * d.len(), d)
     }
 
-    /// Prepares [`advance`](Self::advance) followed by L x, for a state without its line.
+    /// Prepares [`advance`](Self::advance) followed by L x, for a state less its line.
     pub(super) fn predict<'a>(
         &'a self,
         linear: &'a Linear,
@@ -315,7 +315,7 @@ impl pulp::WithSimd for Build<'_> {
             linear.remainders(),
             to.terms,
         );
-        // Coefficients 1/(i + terms)!, until |tau L|^i of them is negligible beside the first.
+        // Coefficients 1/(i + terms)!, until |tau L|^i of them is negligible relative to the first.
         let mut inverse = [0.0; MOST_TERMS];
         inverse[0] = (1..=terms).fold(1.0, |f, k| f / k as f64);
         let (mut size, mut used) = (1.0, 1);
@@ -336,7 +336,7 @@ impl pulp::WithSimd for Build<'_> {
         }
         let mut factorial = (1..terms).fold(1.0, |f, k| f / k as f64);
         for k in (0..terms).rev() {
-            // `above` is phi_k+1.
+            // Here `above` is phi_k+1.
             to.multiply(first);
             let from = n + k * count;
             let weight = tau * (tau / unit).powi(k as i32);

@@ -1,6 +1,6 @@
-//! Bounds whose failure says which method missed what, by how much.
+//! Bounds whose failure names method, quantity and excess.
 
-/// Fails unless `value` lies in `bound`; NaN lies nowhere. `method`: the integrator, with what else tells the run.
+/// Fails unless `value` is in `bound`; NaN is in none. `method`: integrator with further marks of the run.
 #[track_caller]
 pub(crate) fn holds(
     method: &str,

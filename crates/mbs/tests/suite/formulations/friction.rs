@@ -1,4 +1,4 @@
-//! Friction treated implicitly, in both forms.
+//! Implicit friction in both formulations.
 
 use super::bounds::holds;
 use super::{HUB, Weight, carousel, weight};
@@ -8,7 +8,7 @@ use pinwheel_mbs::{
 };
 
 /// Weight, and three rubbing pairs: carried on carried, carried on its carrier, and pinned on carried. Their normal forces grow
-/// as they close.
+/// with the closing speed.
 struct Rubbing {
     weight: Weight,
     ramp: f64,
@@ -64,7 +64,7 @@ impl Forces for Rubbing {
     }
 }
 
-/// Friction treated implicitly is the same in both forms, of free and of driven carriers, sliding and sticking.
+/// Implicit friction is equal in both formulations, for free and driven carriers, sliding and sticking.
 #[test]
 fn implicit_friction_is_the_same_in_both_forms() {
     for (driven, a) in [(false, 1e-3), (true, 1e-3), (false, 1.0), (true, 1.0)] {
@@ -81,7 +81,7 @@ fn implicit_friction_is_the_same_in_both_forms() {
         let (mut y, mut z) = (reduced.initial(), lagrange.initial());
         let (mut e, mut i) = (vec![0.0; y.len()], vec![0.0; y.len()]);
         let (mut f, mut j) = (vec![0.0; z.len()], vec![0.0; z.len()]);
-        // Guesses decide at which speeds the normal forces are taken.
+        // The estimates select the speeds at which normal forces are evaluated.
         for (k, body) in free.iter().enumerate() {
             let guess = 0.3 + 0.1 * k as f64;
             (i[free.len() + k], j[12 + 3 * body + 2]) = (guess, guess);
@@ -104,7 +104,7 @@ fn implicit_friction_is_the_same_in_both_forms() {
         }
         assert_eq!(reduced.newton_steps(), lagrange.newton_steps());
         assert!(reduced.newton_steps() > 0);
-        // Where the carriers carry their bodies at the rates that friction leaves.
+        // Velocities of carried bodies follow from the hub's rate after friction.
         let hub = z[14];
         for (body, [x, y]) in [(1, [0.6, 0.2]), (2, [-0.3, 0.4])] {
             for (found, expected) in [(z[12 + 3 * body], -hub * y), (z[13 + 3 * body], hub * x)] {
@@ -120,7 +120,7 @@ fn implicit_friction_is_the_same_in_both_forms() {
     }
 }
 
-/// Without the contacts' dependence on the rates there is no implicit stage, and it says so.
+/// Without the contacts' dependence on the rates an implicit stage gives NaN.
 #[test]
 fn implicit_friction_needs_the_contacts() {
     let m = carousel(false);
@@ -131,8 +131,8 @@ fn implicit_friction_needs_the_contacts() {
     assert!(f.iter().all(|x| x.is_nan()));
 }
 
-/// Friction by its definition, from the speeds of the two bodies where they touch: what a stage adds to each rate. So is what
-/// closing contacts push.
+/// Contribution of friction and of closing contacts to each rate, evaluated by definition from the speeds of both bodies at the
+/// contact.
 #[test]
 fn implicit_friction_is_that_of_the_speeds_at_the_contacts() {
     for (driven, idle) in [(false, &[][..]), (true, &[]), (true, &[3])] {

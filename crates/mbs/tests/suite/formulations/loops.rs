@@ -8,7 +8,7 @@ use pinwheel_mbs::{
 
 #[test]
 fn a_closed_loop_stays_closed() {
-    // A parallelogram of three rods, the middle one translating.
+    // Parallelogram of three rods, of which the middle one translates.
     let rod = |name: &str, x: f64, y: f64, angle: f64| {
         body(
             name,
@@ -82,7 +82,7 @@ fn a_closed_loop_stays_closed() {
     holds("rk4", "tilt of the top, rad", y[5].abs(), ..1e-10);
 }
 
-/// A driven parallelogram that stands and moves beside its constraints is put back onto them, speeds included.
+/// A driven parallelogram that violates its constraints is projected onto them, speeds included.
 #[test]
 fn loops_are_closed_from_a_distance() {
     let rod = |name: &str, x: f64, y: f64, angle: f64| {

@@ -1,4 +1,4 @@
-//! The two formulations on mechanisms whose motion is known.
+//! Both formulations on mechanisms with known motion.
 
 use super::bounds;
 mod friction;
@@ -12,7 +12,7 @@ use pinwheel_mbs::{
     MechanismError, Motion, OdeSystem, Reduced, Revolute, Stabilisation, Wrench,
 };
 
-/// Weight, and a spring on every body's angle that makes the motion less simple.
+/// Weight, and a spring on every body's angle for a less simple motion.
 struct Weight {
     masses: Vec<f64>,
     spring: f64,
@@ -49,10 +49,10 @@ fn run<F: Formulation>(system: &mut F, step: f64, end: f64) -> Vec<f64> {
     run.state().to_vec()
 }
 
-/// Where the carousel's hub stands: not in the origin, from which nothing may be measured.
+/// Position of the carousel's hub, away from the origin, so that no distance is measured from there.
 const HUB: [f64; 2] = [1.5, -0.7];
 
-/// A hub on the ground, driven or not, that carries two bodies at their centres, plus one on the ground.
+/// Returns a hub on the ground, driven or not, that carries two bodies at their centres, plus one on the ground.
 fn carousel(driven: bool) -> Mechanism {
     let at = |x: f64, y: f64, rate: f64| BodyState {
         x: HUB[0] + x,
@@ -300,14 +300,14 @@ fn bad_input_values_and_indices_are_refused() {
     }
 }
 
-/// Baumgarte's feedback makes every constraint error obey phi'' + 2 b phi' + b^2 phi = 0: an error that starts at rest
-/// falls as (1 + b t) exp(-b t), in joints and drivers alike. Without the feedback of positions it would stay.
+/// Under Baumgarte's feedback every constraint error obeys phi'' + 2 b phi' + b^2 phi = 0: an error that starts at rest falls
+/// as (1 + b t) exp(-b t), for joints and drivers. Without the feedback of positions it would stay.
 #[test]
 fn baumgartes_feedback_is_that_of_a_critically_damped_oscillator() {
     const RATE: f64 = 50.0;
     const OFF: f64 = 1e-4;
     let mut m = carousel(true);
-    // The body on the ground beside its pin, the hub beside its driver; each alone, so that no error feeds another.
+    // Body on the ground off its pin, and hub off its driver's angle; each alone, so that the errors do not interact.
     m.bodies[3].start.x += OFF;
     m.bodies[0].start.angle = OFF;
     m.bodies.truncate(4);
@@ -324,7 +324,7 @@ fn baumgartes_feedback_is_that_of_a_critically_damped_oscillator() {
         let wanted = OFF * (1.0 + RATE * end) * (-RATE * end).exp();
         let joint = system.joint_error(end, &y);
         let driver = y[2] - (2.0 * end - 0.35 * end * end);
-        // Measured: 4e-6 of the start's error, RK4's at a twentieth of 1/b.
+        // Measured: 4e-6 of the initial error, by RK4 at a twentieth of 1/b.
         for (what, found) in [("joint", joint), ("driver", driver)] {
             let off = (found - wanted).abs() / OFF;
             holds("rk4", &format!("{what}, share of its start"), off, ..2e-5);
@@ -332,7 +332,7 @@ fn baumgartes_feedback_is_that_of_a_critically_damped_oscillator() {
     }
 }
 
-/// A driver between two bodies acts on the difference of their angles, in every form.
+/// A driver between two bodies prescribes the difference of their angles, in every formulation.
 #[test]
 fn a_driver_between_two_bodies_keeps_their_difference() {
     let motion = Motion {
@@ -361,7 +361,7 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
         let y = run(&mut system, 1e-3, 0.5);
         let (angle, rate, _) = motion.at(0.5);
         let method = format!("rk4, {stabilisation:?}");
-        // Measured: 2.4e-9 with Baumgarte's feedback, RK4's at a twentieth of 1/b; below 1e-10 without.
+        // Measured: 2.4e-9 with Baumgarte's feedback, by RK4 at a twentieth of 1/b; below 1e-10 without.
         let off = (y[5] - y[2] - angle).abs();
         holds(&method, "angle off the driver's, rad", off, ..1e-8);
         let off = (y[17] - y[14] - rate).abs();
@@ -369,7 +369,7 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
     }
 }
 
-/// A body that nothing turns turns on by itself, and is no unknown.
+/// A body without a moment rotates uniformly, and is no unknown.
 #[test]
 fn idle_bodies_turn_uniformly() {
     let mut m = carousel(true);
@@ -381,8 +381,7 @@ fn idle_bodies_turn_uniformly() {
     assert_eq!((seen.angle, seen.rate), (0.9, 1.0));
 }
 
-/// An observation of the reduced form is of the requested state alone, and with its own motion, whatever was evaluated
-/// before.
+/// An observation of the reduced form belongs to the requested state alone, with its own motion, after any previous evaluation.
 #[test]
 fn what_is_observed_is_of_the_state_asked_for() {
     let m = carousel(true);
@@ -418,7 +417,7 @@ fn what_is_observed_is_of_the_state_asked_for() {
     assert_relative_eq!(load, -2.0 * 9.81, max_relative = 1e-15);
 }
 
-/// A projected state is not put in place again, unless bodies have been elsewhere since.
+/// A projected state is not projected again, unless the bodies have changed since.
 #[test]
 fn a_settled_state_is_evaluated_as_any_other() {
     let m = carousel(true);
@@ -437,7 +436,7 @@ fn a_settled_state_is_evaluated_as_any_other() {
     system.project(0.2, &mut y.clone());
     assert_eq!(system.joint_error(0.2, &y), fresh().joint_error(0.2, &y));
     assert_eq!(derivatives(&mut system, 0.2, &y), expected);
-    // Another state, then another time, then again.
+    // Another state, another time, then the first again.
     for (t, state) in [(0.2, &z), (0.3, &y), (0.2, &y)] {
         assert_eq!(
             derivatives(&mut system, t, state),
@@ -448,12 +447,12 @@ fn a_settled_state_is_evaluated_as_any_other() {
     system.project(0.2, &mut y.clone());
     system.split_stage(0.2, 1e-3, &mut y.clone(), &mut e, &mut i);
     assert_eq!(derivatives(&mut system, 0.2, &y), expected);
-    // A joint that is apart is seen, and nothing stays of it, where the body rests by right, either.
+    // An open joint is detected, and leaves no trace in the next evaluation, not even for a body at rest.
     let mut apart = y.clone();
     (apart[0], apart[m.bodies.len() * 3]) = (apart[0] + 0.3, 0.1);
     assert_relative_eq!(system.joint_error(0.2, &apart), 0.3, max_relative = 1e-12);
     assert_eq!(derivatives(&mut system, 0.2, &y), expected);
-    // Nor where it begins off its place.
+    // Neither does a wrong initial position.
     let mut off = m.clone();
     off.bodies[3].start.x += 0.1;
     let mut begun = Lagrange::new(off, weight(&m), Stabilisation::Projection).unwrap();
@@ -462,11 +461,11 @@ fn a_settled_state_is_evaluated_as_any_other() {
         begun.observe(0.2, &y, Detail::Everything).bodies,
         fresh().observe(0.2, &y, Detail::Everything).bodies
     );
-    // f of a state is that of the settled one.
+    // f of a violating state is that of its projection.
     assert_eq!(derivatives(&mut system, 0.2, &apart), expected);
 }
 
-/// A body that no joint holds is where y has it.
+/// A body without a joint is not projected.
 #[test]
 fn free_bodies_are_projected_nowhere() {
     let mut m = carousel(true);
@@ -499,7 +498,7 @@ fn free_bodies_are_projected_nowhere() {
     assert_eq!(free, of(Stabilisation::Projection));
 }
 
-/// So a method whose last stage is the next step's first evaluates f six times a step, settled or not.
+/// A method whose last stage is the next step's first evaluates f six times per step, with or without projection.
 #[test]
 fn settling_costs_no_evaluation() {
     let m = carousel(false);
@@ -559,7 +558,7 @@ fn kinetic_energy_is_half_of_mass_times_square() {
     assert_relative_eq!(found, expected, max_relative = 1e-15);
 }
 
-/// A force to the side and down on every body, and a moment that is that of the segment.
+/// Force to the side and down on every body, and a moment that depends on the segment.
 struct Wind {
     segment: f64,
 }
@@ -578,8 +577,8 @@ impl Forces for Wind {
     }
 }
 
-/// Two driven hubs with bodies of their own, neither in the origin: positions, speeds and what the drivers do are the same in both
-/// forms, and segment by segment.
+/// Two driven hubs with bodies, neither at the origin: positions, speeds and driver torques are equal in both formulations,
+/// segment by segment.
 #[test]
 fn two_drivers_do_the_same_in_both_forms() {
     let motion = Motion {
@@ -656,7 +655,7 @@ fn two_drivers_do_the_same_in_both_forms() {
             assert!((a - b).abs() < 1e-7 && a.abs() > 0.1, "{a} {b}");
         }
     }
-    // Another state at the same time is not the one that was seen last.
+    // Another state at the same time is evaluated again.
     let y = reduced.initial();
     let mut moved = y.clone();
     moved[0] += 0.1;

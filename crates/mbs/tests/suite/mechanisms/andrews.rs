@@ -1,10 +1,9 @@
 //! Andrews' squeezing mechanism: seven bodies, ten revolutes, a spring and a torque; one degree of freedom.
 //!
-//! The Test Set gives it in seven joint angles q = (beta, Theta, gamma, Phi, delta, Omega, epsilon) and
-//! six loop equations; here it is seven bodies in the plane, and the angles are read off:
-//! K1 stands at beta, K2 at beta + Theta, K3 at gamma, K4 at delta + Phi, K5 at delta, K6 at epsilon + Omega,
-//! K7 at epsilon. K3, K4 and K6 hang on the end P of K2; the forces there are the Test Set's multipliers.
-//! Read out: q (7), q' (7), lambda (6).
+//! The Test Set uses seven joint angles q = (beta, Theta, gamma, Phi, delta, Omega, epsilon) and six loop equations. The model
+//! here has seven bodies in the plane, from which the angles are derived: K1 is at beta, K2 at beta + Theta, K3 at gamma, K4 at
+//! delta + Phi, K5 at delta, K6 at epsilon + Omega, K7 at epsilon. K3, K4 and K6 are joined to the end P of K2; the forces
+//! there are the Test Set's multipliers. Output: q (7), q' (7), lambda (6).
 //! Source: Test Set for Initial Value Problem Solvers, problem "andrews"; [Hairer & Wanner 1996, VII.7].
 
 use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
@@ -57,7 +56,7 @@ const START: [f64; 7] = [
     1.230_547_444_549_821_2,
 ];
 
-/// The end P of K2 in K2's frame counted from its joint with K1, and likewise for the others.
+/// End P of K2 in K2's frame, from its joint with K1, and the corresponding ends of the other bodies.
 const K1_TIP: [f64; 2] = [RR, 0.0];
 const K2_END: [f64; 2] = [-D, 0.0];
 const K3_END: [f64; 2] = [0.0, -SS];
@@ -66,8 +65,8 @@ const K5_TIP: [f64; 2] = [ZT, 0.0];
 const K6_END: [f64; 2] = [ZF, 0.0];
 const K7_TIP: [f64; 2] = [0.0, -U];
 
-/// Centres of mass, counted like the ends. K3, K5 and K7 turn about the ground, and only the distance
-/// of their centre from there matters.
+/// Centres of mass, from the same joints as the ends. K3, K5 and K7 turn about the ground, so that only the distance of their
+/// centre from there matters.
 const CENTRES: [[f64; 2]; 7] = [
     [RA, 0.0],
     [-DA, 0.0],
@@ -81,12 +80,12 @@ const CENTRES: [[f64; 2]; 7] = [
 /// First of the three revolutes at P: K3, K4 and K6 on K2.
 const AT_P: usize = 7;
 
-/// The mechanism at rest.
+/// Returns the mechanism at rest.
 pub(crate) fn andrews() -> Problem {
     let [be, th, ga, ph, de, om, ep] = START;
     let angles = [be, be + th, ga, de + ph, de, ep + om, ep];
     let add = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
-    // Where each body is held: K1 in the origin, K2 at K1's tip, and so on.
+    // Joint at which each body is held: K1 in the origin, K2 at K1's tip, and so on.
     let held = [
         [0.0, 0.0],
         turned(K1_TIP, angles[0]),

@@ -1,45 +1,45 @@
-//! Ready-made applied loads: gravity, constant torques, point-to-point springs.
+//! Ready-made loads: gravity, constant torques, point-to-point springs.
 //!
-//! An [`Element`] acts on bodies of a mechanism and reacts on the body (or ground) it is tied to,
-//! so that forces and moments balance. [`Elements`] is a list of them and serves as [`Forces`].
+//! An [`Element`] acts on bodies of a mechanism and reacts on another body (or the ground), so that forces and moments balance.
+//! [`Elements`] is a list of them and implements [`Forces`].
 
 use pinwheel_mbs::{BodyId, BodyState, Forces, Mechanism, Wrench};
 
-/// A point of a body, or of the ground.
+/// Point of a body, or of the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Anchor {
-    /// The body; `None` is the ground.
+    /// Body of the point; `None` for the ground.
     pub(crate) body: Option<BodyId>,
-    /// The point in the body's frame (from its centre of mass), or in the ground's, m.
+    /// Point in the body's frame (from its centre of mass), or in the ground's, m.
     pub(crate) point: [f64; 2],
 }
 
-/// One applied load.
+/// Applied load.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Element {
     /// Equal acceleration on every body.
     Gravity {
-        /// m/s^2, e.g. `[0.0, -9.81]`.
+        /// Acceleration, m/s^2, e.g. `[0.0, -9.81]`.
         acceleration: [f64; 2],
         /// Masses in body order, kg; see [`Element::gravity`].
         masses: Vec<f64>,
     },
-    /// A constant torque on `body`, its reaction on `reaction`.
+    /// Constant torque on `body`, with its reaction on `reaction`.
     Torque {
-        /// Who is turned.
+        /// Body that is turned.
         body: BodyId,
-        /// Who takes the reaction; `None` is the ground.
+        /// Body that takes the reaction; `None` for the ground.
         reaction: Option<BodyId>,
-        /// N m, counter-clockwise on `body`.
+        /// Torque, N m, counter-clockwise on `body`.
         torque: f64,
     },
-    /// A spring along the line between two points; the pull is `stiffness (length - free_length)`.
+    /// Spring along the line between two points; the pull is `stiffness (length - free_length)`.
     Spring {
         /// One end.
         from: Anchor,
-        /// The other.
+        /// Other end.
         to: Anchor,
-        /// N/m.
+        /// Stiffness, N/m.
         stiffness: f64,
         /// Length without force, m.
         free_length: f64,
@@ -47,7 +47,7 @@ pub(crate) enum Element {
 }
 
 impl Element {
-    /// Gravity on every body of `mechanism`; `acceleration` in m/s^2.
+    /// Returns gravity on every body of `mechanism`; `acceleration` in m/s^2.
     pub(crate) fn gravity(mechanism: &Mechanism, acceleration: [f64; 2]) -> Self {
         Self::Gravity {
             acceleration,
@@ -98,7 +98,7 @@ impl Element {
         }
     }
 
-    /// Potential energy, J: weight by height of the centres, and what springs hold.
+    /// Returns the potential energy, J: weight by height of the centres, and energy of springs.
     pub(crate) fn potential(&self, bodies: &[BodyState]) -> f64 {
         match self {
             Self::Gravity {
@@ -109,7 +109,7 @@ impl Element {
                 .zip(masses)
                 .map(|(b, mass)| -mass * (gx * b.x + gy * b.y))
                 .sum(),
-            // A constant torque between two bodies has the angle between them as its potential.
+            // The potential of a constant torque between two bodies is the angle between them.
             Self::Torque {
                 body,
                 reaction,
@@ -129,7 +129,7 @@ impl Element {
     }
 }
 
-/// An anchor in the ground frame.
+/// Anchor in the ground frame.
 struct Placed {
     body: Option<BodyId>,
     arm: [f64; 2],
@@ -183,7 +183,7 @@ impl Forces for Elements {
     }
 }
 
-/// A point of a body in the ground's directions.
+/// Returns a point of a body in the ground frame.
 pub(crate) fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (s, c) = angle.sin_cos();
     [c * x - s * y, s * x + c * y]

@@ -1,13 +1,13 @@
 //! IFToMM benchmark A02: N four-bar linkages in a row, 2N + 1 rods of 1 m and 1 kg.
 //!
-//! N + 1 cranks stand on the ground 1 m apart, N couplers join their tips. All cranks start upright
-//! with the tips at +1 m/s. Once a half turn all rods lie on one line, where N of the constraints depend
-//! on the others and the cranks could part ways; on the branch where they stay parallel
+//! N + 1 cranks are 1 m apart on the ground, and N couplers join their tips. All cranks start upright with the tips at +1 m/s.
+//! Once in each half turn all rods are on one line, where N of the constraints depend on the others and the motion may branch;
+//! on the branch of parallel cranks
 //!
 //! ```text
 //! theta'' = -(3 (3 N + 1) g / (2 (4 N + 1))) cos(theta),   theta(0) = pi/2, theta'(0) = -1
 //! ```
-//! Read out: x, y, vx, vy of the first crank's tip.
+//! Output: x, y, vx, vy of the first crank's tip.
 //! Source: IFToMM Technical Committee for Multibody Dynamics, Library of Computational Benchmark Problems, A02.
 
 use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
@@ -15,7 +15,7 @@ use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
 use super::Problem;
 use super::elements::{Element, Elements};
 
-/// `loops` = N >= 1 four-bars.
+/// Returns a row of `loops` = N >= 1 four-bars.
 pub(crate) fn four_bars(loops: usize) -> Problem {
     let upright = std::f64::consts::FRAC_PI_2;
     let rod = |name: String, start: BodyState| Body {

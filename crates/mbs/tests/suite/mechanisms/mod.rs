@@ -1,7 +1,7 @@
-//! Published mechanisms with known solutions, ready to run: what ties this solver to the world.
+//! Published mechanisms with known solutions.
 //!
-//! A [`Problem`] holds mechanism, loads and what is read off; the numbers it is measured against
-//! live in `reference/published/`. Nothing here knows of gears.
+//! A [`Problem`] has mechanism, loads and outputs; the published values are in `reference/published/`. Nothing here depends on
+//! gears.
 
 #![allow(dead_code, reason = "tests and benches each use a part")]
 
@@ -18,10 +18,10 @@ use elements::Elements;
 use pinwheel_mbs::integrators::{StepCounts, StepError, StepSettings, start};
 use pinwheel_mbs::{Detail, Formulation, Lagrange, Mechanism, Observation, Stabilisation};
 
-/// A mechanism with its loads and its published read-out.
+/// Mechanism with its loads and its published outputs.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
-    /// For tables.
+    /// Name for tables.
     pub(crate) name: String,
     /// Bodies and joints.
     pub(crate) mechanism: Mechanism,
@@ -31,10 +31,10 @@ pub(crate) struct Problem {
     pub(crate) read: fn(&Observation<'_>) -> Vec<f64>,
 }
 
-/// The read-out of one run at the times asked for.
+/// Outputs of one run at the requested times.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Solved {
-    /// One row of [`Problem::read`] a time.
+    /// Rows of [`Problem::read`], one for each time.
     pub(crate) values: Vec<Vec<f64>>,
     /// Kinetic plus potential energy at those times, J.
     pub(crate) energy: Vec<f64>,
@@ -45,7 +45,7 @@ pub(crate) struct Solved {
 }
 
 impl Problem {
-    /// Integrates in the Lagrange form by `method` and reads the solution at `times` (s, increasing).
+    /// Integrates in the Lagrange form by `method` and evaluates the outputs at `times` (s, increasing).
     pub(crate) fn solve(
         &self,
         stabilisation: Stabilisation,
@@ -60,7 +60,7 @@ impl Problem {
         let (mut values, mut energy) = (Vec::new(), Vec::new());
         let mut joint_error: f64 = 0.0;
         for &t in times {
-            // A step that ends within rounding of t has arrived.
+            // A step that ends within rounding of t has reached it.
             while stepper.time() < t * (1.0 - 1e-12) {
                 stepper.step(&mut system)?;
             }

@@ -2,7 +2,7 @@
 //!
 //! A body needs a moment of inertia, so the point mass is replaced by the rigid body with the same
 //! motion: `m l = 1 kg m` and `J + m l^2 = 1 kg m^2` with m = 2 kg, l = 0.5 m, J = 0.5 kg m^2.
-//! Read out: x, y, vx, vy of the point at 1 m.
+//! Output: x, y, vx, vy of the point at 1 m.
 //! Source: IFToMM Technical Committee for Multibody Dynamics, Library of Computational Benchmark Problems, A01.
 
 use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
@@ -10,7 +10,7 @@ use pinwheel_mbs::{Body, BodyState, Mechanism, Observation, Revolute};
 use super::Problem;
 use super::elements::{Element, Elements};
 
-/// The pendulum at x = -1, at rest.
+/// Returns the pendulum at x = -1, at rest.
 pub(crate) fn pendulum() -> Problem {
     let half_turn = std::f64::consts::PI;
     let mechanism = Mechanism {

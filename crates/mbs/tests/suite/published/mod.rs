@@ -1,4 +1,4 @@
-//! Reads `reference/published/`.
+//! Reading of `reference/published/`.
 
 pub(crate) type Table = toml::Table;
 
@@ -30,11 +30,11 @@ pub(crate) fn numbers(table: &Table, key: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Largest deviation.
+/// Returns the largest deviation.
 pub(crate) fn worst(found: &[f64], exact: &[f64]) -> f64 {
     assert_eq!(found.len(), exact.len());
     let one = |(f, e): (&f64, &f64)| (f - e).abs();
-    // Not `fold(max)`, which would overlook NaN.
+    // Not `fold(max)`, which would ignore NaN.
     found
         .iter()
         .zip(exact)

@@ -1,7 +1,7 @@
-//! The gearbox in motion: an engine's time series, packed for the page's script.
+//! Animation of the gearbox: an engine's time series, packed for the page's script.
 //!
-//! Angles travel as what parts them from the ideal mesh, forces pair by pair, packed: each to 1 in 16 000 of
-//! its channel's largest value. The script finds points and directions of contact on the same curve as the solver.
+//! Angles are stored as differences from the ideal mesh, forces by pairs, packed with an error of 1/16 000 of the channel's
+//! largest value. The script computes points and directions of contact from the same curve as the solver.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,14 +15,14 @@ use serde_json::{Value, json};
 
 use crate::pages::packed::{Rounding, Writer};
 
-/// Binary digits of a channel's largest value that are kept.
+/// Number of stored binary digits of a channel's largest value.
 const DIGITS: i32 = 14;
-/// Forces below this share of the largest are not drawn.
+/// Smallest drawn force, as a share of the largest.
 const LEAST: f64 = 1e-3;
-/// Largest distance at which a disc is drawn off its eccentric, as a share of the pins' circle.
+/// Largest drawn offset of a disc from its eccentric, as a share of the pins' circle.
 const OFFSET: f64 = 0.02;
 
-/// 1, 2, 5, 10, ...: how many times larger offsets of up to `largest` are drawn, to be at most `wanted`.
+/// Returns the magnification 1, 2, 5, 10, ... of offsets up to `largest`, drawn at most `wanted` long.
 fn magnified(largest: f64, wanted: f64) -> f64 {
     let ratio = wanted / largest;
     if !(ratio.is_finite() && ratio > 1.0) {
@@ -34,23 +34,23 @@ fn magnified(largest: f64, wanted: f64) -> f64 {
     steps.next().unwrap_or(1.0) * decade
 }
 
-/// One gearbox, ready to be drawn.
+/// Gearbox ready for drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Animation {
     title: String,
-    /// Parts have errors.
+    /// True if parts have errors.
     deviates: bool,
     /// Data for the page's script (see [`Animation::of`]).
     view: Value,
 }
 
-/// A gear for the page's script: lengths in mm, which is what a page can draw well, angles in rad.
+/// Returns a gear for the page's script: lengths in mm, angles in rad.
 ///
-/// `e`: eccentricity; `zk`, `r`, `q`: ring pins, their circle's radius and their own; `m`: m' of the discs' own curve, `edge`: the edge's
-/// offset from it, `turn`: by how much flanks are turned; `zi`, `rw`, `ri`: output pins; `rh`: radius of holes; `per`: turns of the
-/// eccentrics for one of the input; `sun`: the sun's radius where cranks carry the discs; `d`: backlash. Parts stand where their errors
-/// put them: `external` and `internal` pins as centre and radius in the frame of what holds them, discs (`bodies`) with length and
-/// angle of their eccentric and with their holes.
+/// `e`: eccentricity; `zk`, `r`, `q`: ring pins, radius of their circle and their own; `m`: m' of the discs' curve, `edge`:
+/// the edge's offset from it, `turn`: angle of turned flanks; `zi`, `rw`, `ri`: output pins; `rh`: radius of holes; `per`:
+/// turns of the eccentrics per turn of the input; `sun`: the sun's radius if cranks carry the discs; `d`: backlash. Parts
+/// include their errors: `external` and `internal` pins as centre and radius in the frame of their support, discs
+/// (`bodies`) with length and angle of their eccentric and with their holes.
 fn gear_json(scene: &Scene) -> Value {
     let gear = &scene.gear;
     let mm = |metres: f64| 1e3 * metres;
@@ -70,7 +70,7 @@ fn gear_json(scene: &Scene) -> Value {
     };
     let lobes = gear.external_sleeves as f64 - 1.0;
     let body = |i: usize| {
-        // Holes are cut where eccentrics without errors put their pins.
+        // Holes are cut at the pins' positions for eccentrics without errors.
         let start = (PI - TAU * i as f64 / gear.wheels as f64) / lobes;
         let hole = |k| place(gear.hole_m(i, k, -start), gear.hole_radius_of_m(i, k));
         let holes = (0..gear.internal_sleeves).map(hole);
@@ -114,10 +114,10 @@ impl Animation {
     /// Packs the samples from `from_s` to `to_s`, evenly spaced; `None` if a channel is missing or there
     /// are fewer than two samples.
     ///
-    /// The script's data: `gear`; `speed` of the input; `from`, `step` and `count` of the samples; `full`: force of a full arrow, N, below
-    /// which 99 in 100 samples of the loaded pins lie in the second half; `least`: the smallest force that is drawn; `offset`: how many
-    /// times larger than they are the discs' offsets from their eccentrics are drawn, 0 where there are none; `samples`: so many
-    /// `channels`, one after the other.
+    /// Data for the script: `gear`; `speed` of the input; `from`, `step` and `count` of the samples; `full`: force of a
+    /// full arrow, N, above 99 % of the samples of loaded pins in the second half; `least`: the smallest drawn force;
+    /// `offset`: magnification of the discs' offsets from their eccentrics, 0 without offsets; `samples`: all
+    /// `channels` columns in sequence.
     pub(crate) fn of(
         title: impl Into<String>,
         scene: &Scene,
@@ -142,7 +142,7 @@ impl Animation {
             let column: Vec<f64> = column.iter().map(finite).collect();
             writer.column(&column, Rounding::OfPeak(DIGITS));
         }
-        // Later samples of the channels with a part in their name.
+        // Later samples of the channels whose names contain `part`.
         let later = |part: &'static str| {
             let all = channels.iter().zip(&columns);
             let of = all.filter(move |((name, _), _)| name.contains(part));
@@ -184,14 +184,14 @@ impl Animation {
         }
     }
 
-    /// Data for the page's script, to take the place of another animation of as many samples.
+    /// Returns data for the page's script that replace another animation with as many samples.
     pub(crate) fn json(self) -> Value {
         self.view
     }
 }
 
-/// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
-/// are included, so there should be one block on a page. `begin_s`: where it starts and begins again.
+/// Returns the markup of one block with a common clock for all `views`, which must have the same sample times. It includes
+/// style and script, so a page may have only one. `begin_s`: start and restart of the animation.
 pub(crate) fn markup(views: &[Animation], begin_s: f64) -> String {
     let Some(first) = views.first() else {
         return String::new();
@@ -315,7 +315,7 @@ mod tests {
         };
         let between =
             |a: &Value, b: &Value, k: usize| [0, 1, 2].map(|axis| by(&a[k][axis], &b[k][axis]));
-        // Pin 0 stands on the x axis.
+        // Pin 0 is on the x axis.
         assert_eq!(
             between(&nominal["external"], &moved["external"], 0),
             [0.01, 0.02, -0.003]
@@ -339,7 +339,7 @@ mod tests {
             assert_eq!(magnified(largest, 1.04), times, "{largest}");
         }
         assert_eq!(magnified(0.0, 1.0), 1.0);
-        // The offsets are the last of the packed channels. A scene without bearings has no offsets.
+        // The offsets are the last packed channels. A scene without bearings has no offsets.
         let mut scene = scene();
         let mut series = time_series();
         for axis in ["x", "y"] {

@@ -1,11 +1,11 @@
-//! Costs and errors in words, for the terminal and the page.
+//! Costs and errors as text, for the terminal and the page.
 
 use crate::format::{seconds, significant};
 use pinwheel_studies::bench::{Advantage, CostAt, Series, Stopped};
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, TableOf};
 
-/// A bound's sign, or nothing.
+/// Returns the sign of a bound, or nothing.
 fn sign(cost: CostAt) -> &'static str {
     match cost {
         CostAt::Interpolated(_) => "",
@@ -14,7 +14,7 @@ fn sign(cost: CostAt) -> &'static str {
     }
 }
 
-/// The sign of a lead that is a bound, or nothing.
+/// Returns the sign of a lead that is a bound, or nothing.
 pub(super) fn at_least(lead: &Advantage) -> &'static str {
     match lead.at_least {
         true => "\u{2265}\u{202f}",
@@ -22,17 +22,17 @@ pub(super) fn at_least(lead: &Advantage) -> &'static str {
     }
 }
 
-/// A CPU time with its bound's sign.
+/// Formats a CPU time with its bound's sign.
 pub(super) fn cpu(cost: CostAt) -> String {
     format!("{}{}", sign(cost), seconds(cost.value()))
 }
 
-/// A count with its bound's sign.
+/// Formats a count with its bound's sign.
 pub(super) fn count(cost: CostAt) -> String {
     format!("{}{}", sign(cost), calls(cost.value()))
 }
 
-/// A number of calls: `22 600`, `1.2 million`.
+/// Formats a number of calls: `950`, `22.6 k`, `1.2 M`.
 pub(super) fn calls(value: f64) -> String {
     if value >= 1e6 {
         format!("{}\u{202f}M", significant(value / 1e6, 3))
@@ -43,7 +43,7 @@ pub(super) fn calls(value: f64) -> String {
     }
 }
 
-/// A column of a ranking: costs, muted where they are only bounds.
+/// Adds a column of costs to a ranking; bounds are muted.
 pub(super) fn column<R>(
     table: TableOf<R>,
     label: &str,
@@ -59,7 +59,7 @@ pub(super) fn column<R>(
         })
 }
 
-/// Reason why a series has no finished point; `None` if it has one.
+/// Returns the reason for a series without a finished point; `None` if it has one.
 #[must_use]
 pub fn failure(series: &Series) -> Option<String> {
     if series
@@ -87,7 +87,7 @@ pub fn failure(series: &Series) -> Option<String> {
     })
 }
 
-/// Reason why a series has no more points.
+/// Returns the reason for the end of a series.
 pub(super) fn end(series: &Series) -> String {
     failure(series).unwrap_or_else(|| series.stopped.words().to_owned())
 }

@@ -1,4 +1,4 @@
-//! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
+//! Page of `pinwheel bench`: headline, cost of accuracy, the reference, differences, all runs.
 
 use crate::format::{self, limit, significant};
 use crate::study::{Decision, Mark, Question, Section, Study, Tone, Verdict};
@@ -13,7 +13,7 @@ mod text;
 pub use figures::failure;
 pub use text::text;
 
-/// Everything on the page.
+/// Returns the page.
 #[must_use]
 pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
     let rankings = &measured.rankings();

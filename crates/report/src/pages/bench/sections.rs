@@ -1,4 +1,4 @@
-//! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
+//! Sections: costs at given errors, work-precision plots, the reference, differences, all points.
 
 use crate::format::{NONE, joined, limit, plain};
 use crate::study::{Axis, Block, Chart, Section, Series, Style};
@@ -10,7 +10,7 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 use super::figures;
 use crate::pages::colours;
 
-/// All sections of the scene.
+/// Returns all sections of the scene.
 pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
     vec![
         plots(study),
@@ -21,7 +21,7 @@ pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
     ]
 }
 
-/// Section with the costs of errors.
+/// Returns the section with the cost of accuracy.
 fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
     let windows = study.windows.len().min(rankings.len());
     let (by_window, by_error) = rankings.split_at(windows);
@@ -60,7 +60,7 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
         .with(leads(rankings))
 }
 
-/// The native solver against the fastest peer, window by window.
+/// Returns the native solver's lead over the fastest peer, by window.
 fn leads(rankings: &[Ranking]) -> Table {
     let lead = |ranking: &Ranking, side: fn(&Advantage) -> (&String, CostAt)| {
         let side = ranking.advantage.as_ref().map(side);
@@ -87,7 +87,7 @@ fn leads(rankings: &[Ranking]) -> Table {
         .done()
 }
 
-/// Error against cost, two charts a window.
+/// Returns charts of error against cost, two a window.
 fn plots(study: &WorkPrecision) -> Section {
     let mut section = Section::new("plots", "Work and precision").with(
         "Each point is one step or tolerance, its cost the least CPU time of several runs. Lower and further left is \
@@ -100,7 +100,7 @@ fn plots(study: &WorkPrecision) -> Section {
     for (k, window) in study.windows.iter().enumerate() {
         let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
         let charts = charts(k, false);
-        // One pair is read first.
+        // The first pair of charts is unfolded.
         section = section.with(match k {
             0 => charts,
             _ => Block::folded(title, charts),
@@ -165,7 +165,7 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
     }
 }
 
-/// The converged run and its error.
+/// Returns the converged run and its error.
 fn reference(study: &WorkPrecision) -> Section {
     let found = &study.reference;
     let named = |solution: &Solution| {
@@ -206,7 +206,7 @@ fn reference(study: &WorkPrecision) -> Section {
             .with(table)
 }
 
-/// Section on differences of the engines that the figures do not compare.
+/// Returns the section on differences of the engines outside the figures.
 fn differences(study: &WorkPrecision) -> Section {
     let mut points = vec![
         "The native solver integrates the equations of this mechanism, three or so in the reduced form; peers are general \
@@ -245,7 +245,7 @@ fn differences(study: &WorkPrecision) -> Section {
         .with(Block::folded(title, details))
 }
 
-/// Every point of every series.
+/// Returns every point of every series.
 fn points(study: &WorkPrecision) -> Section {
     let all = study.table();
     let mut first = 0;

@@ -1,4 +1,4 @@
-//! A measurement on a terminal.
+//! Text of a measurement for a terminal.
 
 use crate::terminal;
 use pinwheel_studies::bench::{self, CostAt, WorkPrecision};
@@ -6,7 +6,7 @@ use pinwheel_timeseries::table::{Mark, Table};
 
 use super::figures;
 
-/// Cost of the target with every engine and method, without the place of the page.
+/// Returns the cost of the target with every engine and method, without the path of the page.
 #[must_use]
 pub fn text(study: &WorkPrecision) -> String {
     let ranking = study.ranking(0, study.options.target);

@@ -1,5 +1,5 @@
-//! Questions of a reader to a comparison, answered: which force, how sure, who disagrees and why, what next. Page and
-//! terminal say the same.
+//! Answers to a reader's questions on a comparison: force, confidence, differing engines with the cause, next step. Page
+//! and terminal have equal content.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,10 +22,10 @@ use super::twins::{self, percent};
 use super::words;
 use crate::pages::{self, band};
 
-/// Format of shares: by signs of a page or of a terminal.
+/// Format of shares for a page or a terminal.
 pub(super) type Number = fn(f64) -> String;
 
-/// The answer.
+/// Answers of a comparison.
 pub(super) struct Answer<'a> {
     pub(super) found: &'a Outcome,
     number: Number,
@@ -40,7 +40,7 @@ impl<'a> Answer<'a> {
         &self.found.comparison
     }
 
-    /// The verdict with the figure that people come for.
+    /// Returns the verdict with the main figure.
     pub(super) fn verdict(&self) -> Verdict {
         let (tone, word, said) = self.judged();
         Verdict {
@@ -53,8 +53,8 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Evidence for each thing that the user brought, or for the engines together: a line each. Limits that hold are part of their
-    /// record's line.
+    /// Returns the evidence for each input of the user, or for the engines together, a line each. Limits that are met are
+    /// part of their record's line.
     pub(super) fn shown(&self) -> Vec<Fact> {
         let findings = self.found.comparison.findings.iter();
         let findings = findings.filter(|one| one.kind != Kind::Limit || one.shown != Shown::Agrees);
@@ -75,7 +75,7 @@ impl<'a> Answer<'a> {
             .collect()
     }
 
-    /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
+    /// Returns a limitation of an agreement: only native engines agree, or all share the contact law.
     fn scope(&self) -> Option<&'static str> {
         let agreeing = self.entries(|_| true);
         let agreeing = agreeing.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
@@ -93,8 +93,8 @@ impl<'a> Answer<'a> {
         })
     }
 
-    /// Returns the tone, the verdict in a word or two, and the figure or difference that it is about. The tone is good only where
-    /// an agreement is more than one of engines that share the contact law, and no difference is unexplained.
+    /// Returns the tone, the verdict in a word or two, and its figure or difference. The tone is good only if engines
+    /// beyond one shared contact law agree, and no difference is unexplained.
     pub(super) fn judged(&self) -> (Tone, String, String) {
         let found = self.found;
         let mut twins = found.twins.iter();
@@ -122,7 +122,7 @@ impl<'a> Answer<'a> {
         (tone, word, said)
     }
 
-    /// Verdict of the engines, without what limits it. An engine that was left out beforehand does not count as broken.
+    /// Returns the verdict of the engines, without limitations. An engine excluded beforehand does not count as broken.
     fn of_engines(&self) -> (Tone, String) {
         let comparison = &self.found.comparison;
         let engines = || comparison.engines.iter();
@@ -151,7 +151,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Engines that agree, and what differs most, in a sentence each.
+    /// Returns a sentence on the engines that agree, and one on the largest difference.
     fn summary(&self) -> String {
         let (engines, programs) = self.agreeing();
         let agree = match engines {
@@ -166,7 +166,7 @@ impl<'a> Answer<'a> {
         agree + &most
     }
 
-    /// Number of engines that agree with another one on the scene's own law, and of their programs.
+    /// Returns the number of engines that agree with another one on the scene's law, and of their programs.
     fn agreeing(&self) -> (usize, usize) {
         let agree = self.entries(SHARES);
         let agree = agree.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
@@ -177,7 +177,7 @@ impl<'a> Answer<'a> {
         (engines.len(), programs)
     }
 
-    /// `ring pin force 479 N here, 303 N by rapier-colliders`.
+    /// Returns e.g. `ring pin force 479 N here, 303 N by rapier-colliders`.
     fn apart(&self, most: &Largest<'_>) -> String {
         let (label, unit) = quantities::label_and_unit(most.quantity);
         let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
@@ -222,7 +222,7 @@ impl<'a> Answer<'a> {
         facts
     }
 
-    /// Entries of the pairs that `of` chooses.
+    /// Returns the entries of the pairs that `of` accepts.
     fn entries(
         &self,
         of: impl Fn(&Pair) -> bool,
@@ -232,7 +232,8 @@ impl<'a> Answer<'a> {
         pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
     }
 
-    /// Pair of a verdict whose difference is the largest: `reduced and exudyn-constrained, output pin force: D = 2e-4, U = 4e-3`.
+    /// Returns the pair of a verdict with the largest difference: `reduced and exudyn-constrained, output pin force: D =
+    /// 2e-4, U = 4e-3`.
     fn worst(&self, verdict: Judged, of: impl Fn(&Pair) -> bool) -> Option<String> {
         let entries = self.entries(of);
         let entries = entries.filter(|(_, entry)| entry.result.verdict == verdict);
@@ -250,7 +251,7 @@ impl<'a> Answer<'a> {
         Some(format!("{a} and {b}, {label}: D = {d}{bound}"))
     }
 
-    /// An entry's quantity within a sentence.
+    /// Returns an entry's quantity for a sentence.
     fn label(&self, entry: &PairEntry) -> String {
         words::label(&self.found.comparison, &entry.quantity).to_lowercase()
     }
@@ -277,7 +278,7 @@ impl<'a> Answer<'a> {
         fact(mark, format!("{agree} most {worst}"))
     }
 
-    /// Engines whose own output torque and load do not give the output its acceleration.
+    /// Returns engines whose output torque and load do not match the output's acceleration.
     fn unbalanced(&self) -> Option<String> {
         let engines = self.found.comparison.engines.iter();
         let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
@@ -307,7 +308,7 @@ impl<'a> Answer<'a> {
             best.name,
             (self.number)(own)
         );
-        // The scene's own method and step.
+        // The scene's method and step.
         let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
         let mut scene = comparison.engines.iter();
         let scene = scene.find(|e| matches!(form(e), Some(Form::Reduced | Form::Lagrange)));
@@ -366,7 +367,7 @@ impl<'a> Answer<'a> {
         fact(Mark::Warn, format!("not checked: {why}"))
     }
 
-    /// The largest difference there is, judged or not.
+    /// Returns the largest difference, judged or not.
     fn difference(&self) -> Option<Fact> {
         let most = self.found.largest()?;
         let why = match most.twin {
@@ -420,7 +421,7 @@ impl<'a> Answer<'a> {
         let pairs = || self.entries(|pair| pair.track == SharedModel::Measured);
         let (mut pair, mut entry) = Assessment::gravest(pairs(), |(_, entry)| &entry.result)?;
         let mut said = words::verdict(&entry.result, self.number);
-        // Without an uncertainty to judge by there is still how far apart they are.
+        // Without an uncertainty the distance is still available.
         let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
         if entry.result.verdict == Judged::NotCompared {
             let pairs = pairs().filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
@@ -442,8 +443,8 @@ impl<'a> Answer<'a> {
         Some(Fact::new("measurement", mark, text))
     }
 
-    /// Facts on parts that were not checked, with the way to check them; so many reasons of engines without figures are
-    /// given one by one.
+    /// Returns facts on parts that were not checked, with the way to check them. At most `told` reasons of engines without
+    /// figures are listed one by one.
     pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
@@ -513,7 +514,7 @@ impl<'a> Answer<'a> {
         facts
     }
 
-    /// Facts on the next steps.
+    /// Returns facts on the next steps.
     pub(super) fn next(&self) -> Vec<Fact> {
         let mut next = self.open();
         if next.is_empty() {
@@ -555,7 +556,7 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// The fact that runs are of an earlier command: of which engines, and from when.
+/// Returns the fact that runs come from an earlier command, with their engines and dates.
 fn kept(comparison: &Comparison) -> Option<Fact> {
     let kept = comparison.engines.iter();
     let kept = kept.filter_map(|engine| Some((&*engine.name, engine.cost.kept.as_ref()?)));
@@ -577,11 +578,11 @@ fn kept(comparison: &Comparison) -> Option<Fact> {
     Some(Fact::new("kept", Mark::None, text))
 }
 
-/// Reasons why engines have no figures, with the engines of each.
+/// Returns the reasons of engines without figures, with the engines of each.
 pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
     let late = comparison.engines.iter().filter(is_late).count();
-    // Each needs another time; which, its own row of the page says.
+    // Each needs another time, listed in its row of the page.
     let time = "timed out; Engines on the page says what each needs (`--longest SECONDS`)";
     let reasons = comparison.engines.iter().filter_map(|engine| {
         let reason = engine.status.reason()?;
@@ -594,10 +595,10 @@ pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
     words::grouped(reasons)
 }
 
-/// Reasons of engines that were left out, as facts.
+/// Returns the reasons of excluded engines as facts.
 pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
     let told = left_out.iter().map(|(reason, names)| {
-        // The label says so already.
+        // The label already contains this.
         let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
         let text = format!("{}: {reason}", names.join(", "));
         Fact::new("left out", Mark::None, text)
@@ -609,14 +610,14 @@ pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
 pub(super) const EQUATIONS: &str = "equations";
 /// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
-/// Pairs that solve the scene's own law.
+/// Selects pairs that solve the scene's law.
 const SHARES: fn(&Pair) -> bool =
     |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
-/// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
+/// Label of inconclusive verdicts without a possible action.
 pub(super) const UNRESOLVED: &str = "not resolved";
-/// Number of reasons that are listed one by one, where there is room.
+/// Number of reasons listed one by one, if there is room.
 pub(super) const MOST: usize = 2;
-/// Difference of models from which on the verdict names it.
+/// Least difference of models that the verdict names.
 const SEEN: f64 = 0.03;
 
 fn size(result: &Assessment) -> f64 {

@@ -1,4 +1,4 @@
-//! Parts of a comparison's page that all its sections use.
+//! Common parts of all sections of a comparison's page.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ impl<'a> Page<'a> {
         Self { comparison, styles }
     }
 
-    /// A table of rows that each belong to an engine, which the first column names.
+    /// Creates a table with a row for each engine, named in the first column.
     pub(super) fn of_engines<R>(
         &self,
         caption: &str,
@@ -36,18 +36,18 @@ impl<'a> Page<'a> {
             .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
     }
 
-    /// A quantity in words.
+    /// Returns the label of a quantity.
     pub(super) fn quantity(&self, name: &'a str) -> &'a str {
         words::label(self.comparison, name)
     }
 
-    /// A quantity and a window, e.g. `driver torque, steady`.
+    /// Returns a quantity and a window, e.g. `driver torque, steady`.
     pub(super) fn place(&self, quantity: &'a str, window: WindowKind) -> String {
         let label = self.quantity(quantity).to_lowercase();
         format!("{label}, {}", window.word())
     }
 
-    /// A window in words, e.g. `Steady, 0.3–0.6 s`.
+    /// Returns the label of a window, e.g. `Steady, 0.3–0.6 s`.
     pub(super) fn window(&self, kind: WindowKind) -> String {
         let word = match kind {
             WindowKind::Steady => "Steady",
@@ -62,7 +62,7 @@ impl<'a> Page<'a> {
     }
 }
 
-/// Mark of a verdict: what is open stands back.
+/// Returns the mark of a verdict; open ones are muted.
 pub(super) fn mark(found: &Assessment) -> Mark {
     match found.verdict {
         Verdict::Agree => Mark::Good,
@@ -72,7 +72,7 @@ pub(super) fn mark(found: &Assessment) -> Mark {
     }
 }
 
-/// An interval of time, `0.3–0.6 s`.
+/// Formats an interval of time, `0.3–0.6 s`.
 pub(super) fn span(from_s: f64, to_s: f64) -> String {
     let [from, to] = [from_s, to_s].map(format::plain);
     format!("{from}\u{2013}{to}\u{202f}s")

@@ -1,4 +1,4 @@
-//! Figures that people come for: forces, driver torque and efficiency of the engine that speaks for all.
+//! Main figures: forces, driver torque and efficiency of the representative engine.
 
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::uncertainty::Norm;
@@ -7,7 +7,8 @@ use pinwheel_engines::{Form, info};
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 
-/// Window of the figures: the steady one, or else all of the run, whose largest force may come after the start-up.
+/// Returns the window of the figures: the steady one, else the complete run, whose largest force may come after the
+/// start-up.
 pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
     let windows = comparison.windows.iter().map(|window| window.kind);
     windows.min_by_key(|kind| *kind == WindowKind::Transient)
@@ -39,7 +40,7 @@ pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKin
     Some((best?, window))
 }
 
-/// Largest relative distance of an engine's torques and forces from the exact solution of its equations.
+/// Returns the largest relative uncertainty of an engine's torques and forces for its own equations.
 pub(super) fn numerical(
     comparison: &Comparison,
     engine: &EngineSummary,
@@ -53,7 +54,7 @@ pub(super) fn numerical(
     shares.reduce(f64::max)
 }
 
-/// Forces, driver torque and efficiency.
+/// Returns forces, driver torque and efficiency.
 pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
     let Some((best, window)) = best(&found.comparison) else {
         return Vec::new();
@@ -62,13 +63,13 @@ pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
     let loads = loads.filter(|q| q.is_load() && q.name != quantities::OUTPUT_TORQUE);
     let loads = loads.filter_map(|quantity| load(found, best, window, quantity));
     let mut figures: Vec<Figure> = loads.collect();
-    // Figures of force come first: they name the parts that bear the load.
+    // Forces come first: they name the loaded parts.
     figures.sort_by_key(|figure| figure.def.unit != "N");
     figures.extend(efficiency(best, window));
     figures
 }
 
-/// Mean of a torque, or the largest force.
+/// Returns the mean of a torque, or the largest force.
 fn load(
     found: &Outcome,
     best: &EngineSummary,
@@ -82,7 +83,7 @@ fn load(
         false => (own.max, "largest", Norm::Peak, scales.force_n),
     };
     let off = best.u(&of.name, window, norm);
-    // A load that is nothing but rounding is 0 within that.
+    // A load within rounding is 0 with that uncertainty.
     let rounding = ROUNDING * scale.unwrap_or(0.0);
     let off = match value.abs() <= rounding {
         true => Some(off.map_or(rounding, |off| off.max(rounding))),
@@ -100,7 +101,7 @@ fn load(
 /// Relative accuracy of sums of many terms in double precision.
 const ROUNDING: f64 = 1e-12;
 
-/// The efficiency, or why there is none.
+/// Returns the efficiency, or the reason for a missing one.
 fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Figure> {
     let figures = best.figures_in(window)?;
     // Its powers are those of the mean torques.

@@ -1,4 +1,4 @@
-//! A comparison of engines on one scene.
+//! Page of a comparison of engines on one scene.
 
 mod answer;
 mod common;
@@ -24,7 +24,7 @@ pub use text::{details, text};
 
 use crate::pages::{animation, band, time_series};
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let (comparison, participants) = (&found.comparison, &found.participants);
@@ -35,7 +35,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         sections.push(Section::new("courses", "Over time").with(time_series));
     }
     sections.extend(stages::section(found));
-    // Details stand below the first screen.
+    // Details are below the first screen.
     let mut details = twins::blocks(found);
     details.extend(found.bands.iter().flat_map(band::blocks));
     if !details.is_empty() {
@@ -75,14 +75,14 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
     crate::pages::render(study, made)
 }
 
-/// Facts below the figures, and remarks.
+/// Returns facts below the figures, and remarks.
 fn below(answer: &Answer<'_>) -> Vec<Block> {
     let under = |title: &str, facts: Vec<Fact>| {
         let facts = (!facts.is_empty()).then(|| [Block::heading(title), facts.into()]);
         facts.into_iter().flatten()
     };
     let mut unchecked = answer.unchecked(answer::MOST);
-    // Bookkeeping last: it may be cut off.
+    // Unresolved verdicts last, because the end may be cut.
     unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
     // A next step that is a command is a tile.
     if !answer.open().is_empty() {
@@ -99,7 +99,7 @@ fn below(answer: &Answer<'_>) -> Vec<Block> {
         .collect()
 }
 
-/// Tables of the model: its parts, those that are left out, and what is assumed.
+/// Returns tables of the model: modelled parts, omitted parts and assumptions.
 fn model(found: &Outcome) -> Vec<Block> {
     let statements = |caption: &str, list: &[Statement]| {
         Table::of(caption, list)

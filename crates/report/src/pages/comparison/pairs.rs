@@ -1,4 +1,4 @@
-//! One line for each pair, and behind it everything that was judged and measured of it.
+//! One line for each pair, with its verdicts and metrics folded behind it.
 
 use crate::format::{self, NONE, relative, relative_or_none, significant};
 use crate::study::{Block, Item};
@@ -10,23 +10,23 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 use super::common::{Page, mark};
 use super::words;
 
-/// Pairs of one verdict that are listed without a fold.
+/// Largest number of unfolded pairs of one verdict.
 const FEW: usize = 3;
 
-/// The anchor of a pair's details.
+/// Returns the anchor of a pair's details.
 pub(super) fn id(pair: usize) -> String {
     format!("pair-{pair}")
 }
 
-/// A verdict with the quantity and window it is of.
+/// Verdict with its quantity and window.
 type Judged<'a> = (&'a str, WindowKind, &'a Assessment);
 
-/// A pair's item with what it is sorted by: its rank (see [`Assessment::rank`]), and how much of its bound it uses.
+/// Item of a pair with its sort keys: rank (see [`Assessment::rank`]) and share of its bound.
 type Ranked = (u8, f64, Item);
 
 impl Page<'_> {
-    /// The track's pairs and what was judged of its engines alone, by verdict, the gravest first. What differs is listed;
-    /// of the rest there are too many to be read, so that more than a few are folded.
+    /// Returns the track's pairs and the verdicts on single engines, the gravest first. Differing ones are unfolded; of the
+    /// others more than a few are folded.
     pub(super) fn pairs(&self, track: SharedModel, explains: bool) -> Vec<Block> {
         let pairs = self.comparison.pairs.iter().enumerate();
         let pairs = pairs.filter(|(_, pair)| pair.track == track);
@@ -47,7 +47,7 @@ impl Page<'_> {
             );
         }
         for group in found.chunk_by(|a, b| a.0 == b.0) {
-            // Of what nothing would settle a sentence each says enough.
+            // For unresolvable verdicts a sentence each suffices.
             if group[0].0 == 2 && track != SharedModel::Measured {
                 let sentences = group.iter().map(|(.., item)| {
                     let why = item.blocks.iter().find_map(|block| match block {
@@ -117,7 +117,7 @@ impl Page<'_> {
         (rank, gravest.map_or(-1.0, |e| e.result.share()), item)
     }
 
-    /// Item on the verdicts about an engine without another one.
+    /// Returns an item on the verdicts about a single engine.
     fn alone(&self, engine: &EngineSummary) -> Option<Ranked> {
         let compared = engine.judged.iter().filter(|entry| entry.result.rank() > 0);
         let rows = compared.map(|e| (e.quantity.as_str(), e.window, &e.result));
@@ -137,8 +137,8 @@ impl Page<'_> {
         Some((worst.rank(), 1.0, item))
     }
 
-    /// Blocks on verdicts, the gravest first, then the one nearest to its bound; before them why something is
-    /// inconclusive.
+    /// Returns blocks on verdicts, the gravest first, then by share of the bound; reasons of inconclusive ones come before
+    /// them.
     fn judged(&self, name: &str, mut rows: Vec<Judged<'_>>) -> Vec<Block> {
         rows.sort_by(|(.., a), (.., b)| b.graver(a));
         let reasons = rows.iter().filter_map(|(.., one)| words::why(one));
@@ -163,7 +163,7 @@ impl Page<'_> {
         blocks
     }
 
-    /// Comparisons without a verdict, joined where the reason is one and the same.
+    /// Returns comparisons without a verdict, grouped by reason.
     fn not_compared<'b>(&self, entries: impl Iterator<Item = &'b PairEntry>) -> Vec<Block> {
         let entries = entries.filter(|e| e.result.verdict == Verdict::NotCompared);
         let reasons =
@@ -175,7 +175,7 @@ impl Page<'_> {
         reasons.map(text).collect()
     }
 
-    /// Reasons of the limits and tolerances of a track, each once.
+    /// Returns the distinct reasons of a track's limits and tolerances.
     fn reasons(&self, track: SharedModel) -> Vec<String> {
         let pairs = self.comparison.pairs.iter().filter(|p| p.track == track);
         let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);
@@ -190,7 +190,7 @@ impl Page<'_> {
         reasons.into_iter().cloned().collect()
     }
 
-    /// Every metric of every quantity and window.
+    /// Returns every metric of every quantity and window.
     fn metrics(&self, name: &str, entries: &[PairEntry]) -> Table {
         const RELATIVE: [(&str, fn(&PairMetrics) -> Option<f64>); 9] = [
             ("L2", |m| m.relative_l2),
@@ -232,7 +232,7 @@ impl Page<'_> {
     }
 }
 
-/// Text on the bound that a difference was held against.
+/// Returns a text on the bound of a difference.
 fn against(one: &Assessment) -> String {
     match (&one.budget, one.against) {
         (Some(budget), _) => format!(
@@ -254,7 +254,7 @@ fn against(one: &Assessment) -> String {
     }
 }
 
-/// The largest difference with its unit, channel and time.
+/// Returns the largest difference with its unit, channel and time.
 fn largest(metrics: &PairMetrics, quantity: Option<&Quantity>) -> Option<String> {
     let (value, worst) = metrics.difference_max.zip(metrics.worst.as_ref())?;
     let unit = quantity.map_or("", |q| q.unit.as_str());

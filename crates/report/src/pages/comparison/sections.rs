@@ -12,8 +12,8 @@ use super::common::{Page, mark, span};
 use super::{pairs, words};
 
 impl<'a> Page<'a> {
-    /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
-    /// stand in the tables of all others, so that only their comparisons among themselves are left for the end.
+    /// Returns sections in the order measured, shared law, own contact, native. A user with measured data looks for these
+    /// first. Tables of all tracks include native runs, so only their mutual comparisons come at the end.
     pub(super) fn tracks(&self) -> Vec<Section> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
@@ -62,7 +62,7 @@ impl<'a> Page<'a> {
         }
         let explains = place == 0;
         let pairs = self.pairs(track, explains);
-        // Native figures stand beside those of every other track; repeat them only if there is none.
+        // Native figures are beside those of every other track, and repeated only without one.
         let figures = if track == SharedModel::Native && !alone {
             Vec::new()
         } else {
@@ -77,7 +77,7 @@ impl<'a> Page<'a> {
         Some(Section::new(format!("track-{}", place + 1), title).with(blocks))
     }
 
-    /// Every engine of a track against every other, window by window.
+    /// Returns every engine of a track against every other, by window.
     fn matrices(&self, track: SharedModel, explains: bool) -> Vec<Block> {
         let all = self.comparison.matrices.iter();
         let all: Vec<_> = all.filter(|matrix| matrix.track == track).collect();
@@ -94,7 +94,7 @@ impl<'a> Page<'a> {
             );
         }
         for matrix in all {
-            // One triangle: a difference has no direction.
+            // A triangle suffices: a difference has no direction.
             let rows = matrix.engines.iter().enumerate().skip(1);
             let mut table =
                 Table::of(self.window(matrix.window), rows).text("", "Engine", |(_, name)| *name);
@@ -114,7 +114,7 @@ impl<'a> Page<'a> {
         blocks
     }
 
-    /// Headline figures of every engine of a track, window by window.
+    /// Returns the main figures of every engine of a track, by window.
     fn figures(&self, track: SharedModel) -> Vec<Block> {
         let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
         let loads: Vec<&Quantity> = loads.collect();
@@ -162,14 +162,14 @@ impl<'a> Page<'a> {
         blocks
     }
 
-    /// Section on the energy of each run.
+    /// Returns the section on the energy of each run.
     pub(super) fn energy(&self) -> Option<Section> {
         let engines = self.comparison.engines.iter();
         let rows = engines.flat_map(|e| e.cost.energy.iter().map(move |energy| (e, energy)));
         let mut table = self
             .of_engines("Energy of each engine", rows, |(engine, _)| engine)
             .text("", "Window", |(_, e)| span(e.from_s, e.to_s));
-        // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
+        // Tenths of a millijoule of tens of joules: smaller remainders are rounding.
         type Joules = fn(&pinwheel_timeseries::EnergyAudit) -> Option<f64>;
         let joules: [(&str, Joules); 11] = [
             ("Driver", |e| Some(e.driver_j)),
@@ -202,10 +202,10 @@ impl<'a> Page<'a> {
         (!table.is_empty()).then(|| section.with(about).with(table).folded(""))
     }
 
-    /// Section with the cost of every run.
+    /// Returns the section with the cost of every run.
     pub(super) fn costs(&self) -> Section {
         let all = &self.comparison.engines;
-        // Measured data cost this machine nothing, and a recording's time was another machine's.
+        // Measured data have no cost, and a recording's time is another machine's.
         let own = |e: &&EngineSummary| e.track != SharedModel::Measured;
         let time = |e: &&EngineSummary, of: f64| Some(of).filter(|_| own(e));
         let wall = |e: &&EngineSummary| Some(e.cost.wall_s).filter(|_| e.cost.recorded.is_none());
@@ -253,7 +253,7 @@ impl<'a> Page<'a> {
             .folded("")
     }
 
-    /// The engines in words.
+    /// Returns the section that describes the engines.
     pub(super) fn engines(&self) -> Section {
         let (caption, engines) = ("The engines and how they differ", &self.comparison.engines);
         let table = self
@@ -274,7 +274,7 @@ impl<'a> Page<'a> {
     }
 }
 
-/// The figure that decides, with its uncertainty, or else with how it was measured.
+/// Returns the decisive figure with its uncertainty, or else its metric.
 fn decisive(found: &Assessment) -> String {
     let figure = format::relative_or_none(found.difference.map(f64::abs));
     match found.combined() {
@@ -283,7 +283,7 @@ fn decisive(found: &Assessment) -> String {
     }
 }
 
-/// Shade of a share of a bound: 0 for nothing of it, 1 for all of it and more.
+/// Returns the shade for a share of a bound: 0 for nothing, 1 for the full bound and more.
 fn shade(share: f64) -> f64 {
     match share.is_nan() {
         true => 0.0,
@@ -291,7 +291,7 @@ fn shade(share: f64) -> f64 {
     }
 }
 
-/// Column of a quantity: a name, its statistic, and the norm of its uncertainty.
+/// Column of a quantity: label, statistic, and the norm of its uncertainty.
 type Shows = (&'static str, fn(&Statistics) -> f64, Norm);
 
 fn statistics(quantity: &Quantity) -> &'static [Shows] {
@@ -312,7 +312,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
     }
 }
 
-/// Reasons why engines have no efficiency, each once.
+/// Returns the distinct reasons for missing efficiencies.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
     let reasons = words::distinct(rows.iter().filter_map(of));

@@ -1,4 +1,4 @@
-//! Stages in which an engine differs: a sentence on each, and its details.
+//! Stages in which an engine differs: a sentence for each, with details.
 
 use crate::format::joined;
 use crate::study::{Axis, Block, Chart, Fact, Section, Series, Style};
@@ -8,7 +8,7 @@ use pinwheel_timeseries::table::{Mark, Table};
 
 use super::words;
 
-/// A line on every engine that was judged.
+/// Returns a line for every judged engine.
 pub(super) fn facts(found: &Outcome) -> impl Iterator<Item = Fact> {
     found.stages.iter().map(|located| {
         let mark = match located.first() {
@@ -26,7 +26,7 @@ pub(super) fn names(found: &Outcome, engine: &str) -> bool {
     stages.any(|located| located.run == engine && located.first().is_some())
 }
 
-/// The stages of every engine that was judged, with its residuals.
+/// Returns the stages of every judged engine, with its residuals.
 pub(super) fn section(found: &Outcome) -> Option<Section> {
     let blocks: Vec<Block> = found.stages.iter().flat_map(blocks).collect();
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))

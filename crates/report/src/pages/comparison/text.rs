@@ -19,8 +19,8 @@ use super::figures::{figures, window};
 use super::words;
 use crate::pages::band;
 
-/// Returns the answer on one screen at most, without the place of the page. Notes on measured data are shortened until it fits,
-/// then the reasons why engines were left out. [`details`] has every note and reason.
+/// Returns the answer on at most one screen, without the path of the page. Notes on measured data are shortened until it
+/// fits, then the reasons of excluded engines. [`details`] has every note and reason.
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
@@ -34,13 +34,13 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     let rooms = room.chain(fewer);
     let mut texts = rooms.map(|room| with_notes(scene, &answer, &trust, room));
     let shortest = texts.next_back().unwrap_or_default();
-    // One more with the page's place.
+    // One more line has the page's path.
     texts
         .find(|text| text.lines().count() < SCREEN)
         .unwrap_or(shortest)
 }
 
-/// Returns the answer with the given numbers of notes on measured data and of reasons why engines were left out.
+/// Returns the answer with the given numbers of notes on measured data and of reasons of excluded engines.
 fn with_notes(
     scene: &Scene,
     answer: &Answer<'_>,
@@ -54,7 +54,7 @@ fn with_notes(
     text += &format!("{}\n", terminal::facts(&answer.shown()));
     text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);
-        // Four words would not stand on one line.
+        // Shortened to fit on one line.
         let bounds = one.detail.replace("by contact law", "by law");
         let value = match one.value.as_str() {
             format::NONE => one.value,
@@ -90,7 +90,7 @@ fn with_notes(
     }
 }
 
-/// Lines of a screen.
+/// Number of lines of a screen.
 const SCREEN: usize = 30;
 
 /// Returns the text with every figure and every verdict.
@@ -115,7 +115,7 @@ pub fn details(found: &Outcome) -> String {
     text + &terminal::paragraphs(told.chain(twins))
 }
 
-/// A share as a terminal shows it.
+/// Formats a share for a terminal.
 fn share(value: f64) -> String {
     match value.abs() >= 1e-3 {
         true => format!("{}\u{202f}%", significant(100.0 * value, 2)),
@@ -123,7 +123,7 @@ fn share(value: f64) -> String {
     }
 }
 
-/// The last lines: what all verdicts amount to.
+/// Returns the last lines, a summary of all verdicts.
 fn total(answer: &Answer<'_>) -> String {
     let (tone, word, _) = answer.judged();
     let style = match tone {
@@ -136,7 +136,7 @@ fn total(answer: &Answer<'_>) -> String {
     styled(style, &paragraph(&format!("{word}  {counts}")))
 }
 
-/// Statement on an engine or a pair in a row, and its mark.
+/// Text on an engine or a pair in a row, and its mark.
 type Said = (String, Mark);
 
 fn engines(comparison: &Comparison) -> Table {
@@ -170,8 +170,8 @@ fn engines(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// The verdict on an engine alone, its balance with the load; of one without figures why in a word, as the reason stands below
-/// the table.
+/// Returns the verdict on a single engine, its balance with the load; without figures the reason in a word, given in full
+/// below the table.
 fn own_verdict(engine: &EngineSummary) -> Said {
     if engine.status.reason().is_some() {
         return match engine.status.is_broken() {
@@ -187,7 +187,7 @@ fn own_verdict(engine: &EngineSummary) -> Said {
     })
 }
 
-/// Distances of measured data from each engine, quantity by quantity.
+/// Returns the distances of measured data from each engine, by quantity.
 fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison.pairs.iter();
     let pairs = pairs.filter(|p| p.track == SharedModel::Measured);
@@ -213,11 +213,10 @@ fn measured(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// Number of pairs that are listed one by one. Pairs that differ come before pairs with something to act on.
+/// Number of pairs listed one by one. Pairs that differ come before those with a possible action.
 const LISTED: usize = 5;
 
-/// Table of pairs: what they share, how often each verdict occurs, and the gravest one; then pairs with something to
-/// act on.
+/// Returns a table of pairs: shared parts, counts of verdicts, and the gravest one; then pairs with a possible action.
 fn pairs(comparison: &Comparison) -> Table {
     let mut rows: Vec<(String, Option<Counts>, Said)> = Vec::new();
     for (track, shares) in [
@@ -234,7 +233,7 @@ fn pairs(comparison: &Comparison) -> Table {
             continue;
         }
         let known = of_track().filter_map(|pair| Some((pair, words::gravest(pair)?)));
-        // What no setting would settle says less than what agrees.
+        // Unresolvable verdicts rank below agreements.
         let rank = |entry: &PairEntry| match entry.result.rank() {
             2 => 0,
             rank => rank,
@@ -270,7 +269,7 @@ fn pairs(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// A quantity and a window.
+/// Returns a quantity and a window.
 fn place(entry: &PairEntry) -> String {
     format!("{}, {}", brief(&entry.quantity), entry.window.word())
 }
@@ -283,7 +282,7 @@ fn brief_number(value: f64) -> String {
     format!("{value:.0e}")
 }
 
-/// `external_sleeve_force_n` as `ring pin force`.
+/// Returns `external_sleeve_force_n` as `ring pin force`.
 fn brief(quantity: &str) -> String {
     let (stem, _) = pinwheel_timeseries::stem_and_unit(quantity);
     stem.replace("external_sleeve", "ring pin")
@@ -291,10 +290,10 @@ fn brief(quantity: &str) -> String {
         .replace('_', " ")
 }
 
-/// Signs of a bar.
+/// Length of a bar, characters.
 const BAR: usize = 20;
 
-/// The shares of numerics, inputs and data in the uncertainty of a comparison with measured data, as bars.
+/// Returns the shares of numerics, inputs and data in the uncertainty of a comparison with measured data, as bars.
 fn budgets(comparison: &Comparison) -> Vec<String> {
     let budget = |(pair, entry): (&Pair, &PairEntry)| {
         let deciding = entry.assessments.iter().find(|one| one.decides)?;

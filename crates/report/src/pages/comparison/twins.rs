@@ -1,4 +1,4 @@
-//! Engines with contacts of their own beside native runs with the same contacts, in words and as a table.
+//! Engines with contacts of their own and native runs with the same contacts, as text and as a table.
 
 use crate::format::significant;
 use crate::study::Block;
@@ -17,7 +17,7 @@ fn value(of: f64) -> String {
     significant(of, 4)
 }
 
-/// Sentence on an engine and its twin.
+/// Returns a sentence on an engine and its matched native run.
 pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
     let worst = twin.worst()?;
     let (what, unit) = (&worst.def.label, &worst.def.unit);
@@ -38,7 +38,7 @@ pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
     ))
 }
 
-/// The table of a page.
+/// Returns the table for a page.
 pub(super) fn blocks(found: &Outcome) -> Vec<Block> {
     let rows = found.twins.iter();
     let rows = rows.flat_map(|twin| twin.figures.iter().map(move |figure| (twin, figure)));

@@ -1,27 +1,27 @@
-//! Verdicts, quantities and engines in words, for the page and the terminal.
+//! Verdicts, quantities and engines as text, for the page and the terminal.
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
 use pinwheel_compare::{Against, Assessment, Comparison, Quantity, SharedModel, Verdict};
 use pinwheel_engines::info;
 
-/// The entry of a pair that speaks most against it, and among equals the one that uses most of its bound. `None` where nothing
-/// is known of any.
+/// Returns the gravest entry of a pair, among equals the one with the largest share of its bound. `None` without any judged
+/// entry.
 pub(super) fn gravest(pair: &Pair) -> Option<&PairEntry> {
     let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
     Assessment::gravest(pair.entries.iter().filter(known), |entry| &entry.result)
 }
 
-/// A quantity that the comparison lists.
+/// Returns a quantity of the comparison.
 pub(super) fn quantity<'a>(comparison: &'a Comparison, name: &str) -> Option<&'a Quantity> {
     comparison.quantities.iter().find(|q| q.name == name)
 }
 
-/// A quantity in words; its name if the comparison does not list it.
+/// Returns the label of a quantity, or the name of an unknown one.
 pub(super) fn label<'a>(comparison: &'a Comparison, name: &'a str) -> &'a str {
     quantity(comparison, name).map_or(name, |q| &q.label)
 }
 
-/// A verdict with its numbers, which `number` writes.
+/// Returns a verdict with its numbers, formatted by `number`.
 pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     let word = found.verdict.word();
     let known = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
@@ -71,7 +71,8 @@ pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     }
 }
 
-/// Counts of all verdicts of a comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
+/// Returns the counts of all verdicts of a comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive
+/// (recordings)`.
 pub(super) fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
     let groups = groups(comparison);
@@ -99,14 +100,14 @@ pub(super) fn counts(comparison: &Comparison) -> String {
     )
 }
 
-/// Remarks on the windows: which are not there, and in which the load changes.
+/// Returns remarks on missing windows, and on those in which the load changes.
 pub(super) fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
     let absent = comparison.absent_windows.iter();
     let absent = absent.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
     absent.chain(comparison.windows.iter().filter_map(|w| w.remark()))
 }
 
-/// Remarks on measured data, each with its name.
+/// Returns remarks on measured data, each with its name.
 pub(super) fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
     let rigs = comparison.engines.iter();
     let rigs = rigs.filter(|e| e.track == SharedModel::Measured);
@@ -124,13 +125,14 @@ fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
     pairs.map(|e| &e.result).chain(alone.map(|e| &e.result))
 }
 
-/// Groups of participants who leave something inconclusive with nothing to act on.
+/// Returns the groups of participants that leave verdicts inconclusive without a possible action.
 pub(super) fn groups(comparison: &Comparison) -> Vec<&'static str> {
     let groups = results(comparison).map(|one| one.group);
     distinct(groups.filter(|group| !group.is_empty()))
 }
 
-/// Each participant that leaves something to act on inconclusive, with its first reason and the remedy.
+/// Returns each participant that leaves a verdict inconclusive with a possible action, with its first reason and the
+/// remedy.
 pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
     let open = results(comparison).filter(|one| one.actionable);
     let open = grouped(open.filter_map(why)).into_iter();
@@ -138,7 +140,7 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Participant that leaves an assessment inconclusive, with the reason and the remedy where there is one.
+/// Returns the participant that leaves a verdict inconclusive, with the reason and a remedy if there is one.
 pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
     let who = found.participant.clone()?;
     let why = match found.remedy.as_str() {
@@ -148,7 +150,7 @@ pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
     Some((who, why))
 }
 
-/// Values of each key, in the order of the keys' first appearance.
+/// Groups values by key, in the order of the keys' first appearance.
 pub(super) fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
     let mut groups: Vec<(K, Vec<V>)> = Vec::new();
     for (key, value) in all {
@@ -160,13 +162,13 @@ pub(super) fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) ->
     groups
 }
 
-/// Each once, in the order of their first appearance.
+/// Removes duplicates, in the order of their first appearance.
 pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
     let groups = grouped(all.into_iter().map(|one| (one, ()))).into_iter();
     groups.map(|(one, _)| one).collect()
 }
 
-/// An engine's name without its track, for places beside the track's name.
+/// Returns an engine's name without its track, for places beside the track's name.
 pub(super) fn short(engine: &str) -> &str {
     info(engine).map_or(engine, |info| info.short)
 }

@@ -1,23 +1,23 @@
-//! Curves of designs, as every part of their page draws them.
+//! Curves of designs, common to all parts of their page.
 
 use crate::COLOURS;
 use crate::study::{Axis, Chart, Series};
 use pinwheel_studies::design::DesignResult;
 
-/// A curve that its design names.
+/// Returns a curve labelled by its design.
 pub(crate) fn line(x: &[f64], y: &[f64]) -> Series {
     Series::line("", x, y)
 }
 
-/// A chart of curves over linear axes.
+/// Returns a chart of curves over linear axes.
 pub(crate) fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart {
     Chart::new(title, Axis::linear(x), Axis::linear(y), series)
 }
 
-/// Designs of one chart with their names, which may be empty for one alone.
+/// Designs of one chart with their names, which may be empty for a single one.
 pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
 
-/// A line of a design. Of several designs it has the design's name and colour, and its dash shows the variant.
+/// Returns a line of a design. With several designs it has the design's name and colour, and its dash shows the variant.
 pub(crate) fn of_design(
     designs: &Drawn<'_>,
     design: usize,

@@ -1,4 +1,4 @@
-//! Does the gear bear its load? The answer in words, and every limit in a table.
+//! Limits of a gear: the answer as text, and every limit in a table.
 
 use crate::figure::number;
 use crate::format::{NONE, joined, significant};
@@ -9,13 +9,13 @@ use pinwheel_timeseries::table::Table;
 /// Question that the limits answer.
 pub(super) const QUESTION: &str = "bears its load";
 
-/// A value with the unit of a limit.
+/// Formats a value with the unit of a limit.
 fn with_unit(limit: &Limit, value: Option<f64>) -> String {
     let value = value.map_or_else(|| NONE.to_owned(), number);
     format!("{value} {}", limit.def.unit).trim_end().to_owned()
 }
 
-/// Name of a limit: its figure, and the kind where it has two.
+/// Returns the name of a limit: its figure, and the kind if it has two.
 fn named(limit: &Limit) -> String {
     joined(
         ", ",
@@ -25,7 +25,7 @@ fn named(limit: &Limit) -> String {
     )
 }
 
-/// The answer, and what decides it.
+/// Returns the answer and its decisive limit.
 #[must_use]
 pub fn answer(limits: &Limits) -> (String, String) {
     let Some((limit, margin)) = limits.tightest().zip(limits.margin) else {
@@ -44,7 +44,7 @@ pub fn answer(limits: &Limits) -> (String, String) {
     )
 }
 
-/// The answer in a sentence.
+/// Returns the answer as a sentence.
 pub(super) fn sentence(limits: &Limits) -> String {
     let (said, why) = answer(limits);
     joined(
@@ -53,7 +53,7 @@ pub(super) fn sentence(limits: &Limits) -> String {
     )
 }
 
-/// Limits that were not judged, with what to state for each.
+/// Returns the limits that were not judged, with the key to state for each.
 pub(super) fn unjudged(limits: &Limits) -> Option<String> {
     let open = limits.each.iter().filter(|limit| limit.margin.is_none());
     let open = open.map(|limit| format!("{} ({})", named(limit), limit.source));
@@ -81,7 +81,7 @@ pub(crate) fn tile(limits: &Limits) -> Tile {
     Question::Bears.answered(mark(limits), said, why)
 }
 
-/// Table of every limit.
+/// Returns the table of every limit.
 pub(super) fn table(limits: &Limits) -> Table {
     let of = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), number);
     Table::of("Limits", &limits.each)

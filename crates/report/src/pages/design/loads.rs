@@ -1,4 +1,4 @@
-//! Parts of a design's page on loads: who carries the load, and what bearings take.
+//! Parts of a design's page on load sharing and bearing forces.
 
 use crate::figure::number;
 use crate::study::{Axis, Chart, Section, Series, Style};
@@ -7,7 +7,7 @@ use pinwheel_timeseries::table::Table;
 
 use super::curves::{Drawn, chart, degrees, line, of_design};
 
-/// Name of the parts that carry discs on the output's side.
+/// Returns the name of the parts that carry discs on the output's side.
 fn inner(found: &DesignResult) -> &'static str {
     match found.scene.cranks {
         Some(_) => "Crank bearings",
@@ -15,12 +15,12 @@ fn inner(found: &DesignResult) -> &'static str {
     }
 }
 
-/// Force over place, of ring pins, and of internal ones or crank bearings.
+/// Returns charts of the force over the angle, of ring pins, and of output pins or crank bearings.
 pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     let of = |(stage, title): (usize, &str)| {
         let series = designs.iter().enumerate().map(|(k, (_, found))| {
             let sharing = &found.sharing[stage];
-            // Places at which no pose has a touching pin are not zeros of a curve.
+            // Angles without a touching pin in any pose are not zeros of a curve.
             let all = sharing.place_deg.iter().zip(&sharing.force_n);
             let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
             of_design(designs, k, (0, "largest force"), line(&x, &y))
@@ -73,7 +73,7 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
         .with(contacts)
 }
 
-/// Force on the bearing that carries most over the period of each.
+/// Returns the chart of the force on the most loaded bearing over the period of each.
 pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
     for (k, (_, found)) in designs.iter().enumerate() {
@@ -96,7 +96,7 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     )
 }
 
-/// Harmonics of the part that only loads the bearing.
+/// Returns the harmonics of the force component that only loads the bearing.
 fn bearing_orders(found: &DesignResult) -> Chart {
     let wheel = found.most_loaded().into_iter();
     let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);

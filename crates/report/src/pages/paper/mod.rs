@@ -1,4 +1,4 @@
-//! The study of the paper as a page.
+//! Page of the study of the paper.
 
 use crate::study::{self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tone};
 use pinwheel_studies::Provenance;
@@ -11,10 +11,10 @@ mod text;
 
 pub use text::text;
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(found: &PaperResult, made: &Provenance) -> String {
-    // Every row of the two tables below.
+    // All rows of the two tables below.
     let figures = found.figures.iter().map(|figure| figure.verdict);
     let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
     let verdicts: Vec<ClaimVerdict> = verdicts.collect();
@@ -70,7 +70,7 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
     crate::pages::render(study, made)
 }
 
-/// The gearbox without and with backlash, over the input turn that most figures draw.
+/// Returns the motion of the gearbox without and with backlash, over the input turn of most figures.
 fn motion(found: &PaperResult) -> Option<Section> {
     let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
                  the same load, each with a higher force.";
@@ -108,7 +108,7 @@ fn section(figure: &PaperFigure) -> Section {
 
 fn chart(plot: &Plot) -> Chart {
     let series = plot.curves.iter().map(|curve| {
-        // A curve has its own abscissae: where it has no value there is nothing to join.
+        // Each curve has its own abscissae; missing values must not be joined.
         let there = plot.x.iter().zip(&curve.y).filter(|(_, y)| y.is_finite());
         let (x, y): (Vec<f64>, Vec<f64>) = there.unzip();
         Series::line(&curve.label, x, y).styled(match curve.points {
@@ -169,7 +169,7 @@ fn costs(found: &PaperResult) -> Section {
         .folded("time of a run, beside the paper's")
 }
 
-/// Mark of a verdict.
+/// Returns the mark of a verdict.
 fn mark(verdict: ClaimVerdict) -> Mark {
     match verdict {
         ClaimVerdict::Holds => Mark::Good,

@@ -1,4 +1,4 @@
-//! The study of the paper on a terminal.
+//! Text of the study of the paper for a terminal.
 
 use crate::terminal::{table, titled};
 use pinwheel_studies::paper::PaperResult;
@@ -6,7 +6,7 @@ use pinwheel_timeseries::table::Table;
 
 use super::mark;
 
-/// The verdicts, without the place of the page.
+/// Returns the verdicts, without the path of the page.
 #[must_use]
 pub fn text(found: &PaperResult) -> String {
     let figures = found.figures.iter();

@@ -1,23 +1,23 @@
-//! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
+//! Maps of the atlas: a shaded table of scenes and methods for every question, with its figure in every cell.
 
 use crate::format::{self, joined};
 use crate::study::Section;
 use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// Steps at the ends of the shading, s.
+/// Limits of the shading of steps, s.
 const STEPS: [f64; 2] = [2e-7, 1e-3];
-/// Errors at the ends of the shading.
+/// Limits of the shading of errors.
 const ERRORS: [f64; 2] = [1e-6, 1.0];
-/// Remainders of the energy account above this are marked: ten times what the paper's law creates.
+/// Energy remainders above this share are marked: ten times the work created by the paper's law.
 const REMAINDER: f64 = 0.1;
 
-/// Place of `value` between `low` and `high`, by its logarithm.
+/// Returns the position of `value` between `low` and `high` on a logarithmic scale.
 fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((value.max(f64::MIN_POSITIVE) / low).ln() / (high / low).ln()).clamp(0.0, 1.0)
 }
 
-/// The largest step, or the error of a method that chooses its steps.
+/// Returns the largest step, or the error of a method that chooses its steps.
 fn shown_step(cell: &Cell) -> String {
     match (&cell.failure, cell.largest_step_s) {
         (_, Some(step)) if cell.never_failed => format!("> {}", format::seconds(step)),
@@ -30,11 +30,11 @@ fn shown_step(cell: &Cell) -> String {
     }
 }
 
-/// Place of a map, for one scene and method.
+/// Cell of a map for one scene and method.
 #[derive(Default)]
 struct Place {
     text: String,
-    /// Key by which the places of a map are sorted.
+    /// Sort key of the cell.
     key: Option<f64>,
     shade: Option<f64>,
     mark: Mark,
@@ -96,7 +96,7 @@ fn first(cell: &Cell) -> Place {
 }
 
 fn energy(cell: &Cell) -> Place {
-    // Without work there is nothing to take a share of.
+    // Without work a share is undefined.
     let share = cell.energy_remainder_share.filter(|_| cell.error.is_some());
     let Some(share) = share else {
         return Place::marked(format::NONE, Mark::Muted);
@@ -108,12 +108,12 @@ fn energy(cell: &Cell) -> Place {
     }
 }
 
-/// A table of scenes and methods.
+/// Returns a table of scenes and methods.
 fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
     let rows: Vec<_> = atlas.done().collect();
     let mut table = Table::of(caption, &rows).text("", "Scene", |row| &row.scene);
     for (k, method) in atlas.options.methods.iter().enumerate() {
-        // The first place of a refused scene shows the reason.
+        // The first cell of a refused scene shows the reason.
         let place = |row: &&&SceneRow| match (row.cells.get(k), &row.refused) {
             (Some(cell), _) => shown(cell),
             (None, Some(reason)) if k == 0 => Place::marked(reason, Mark::Bad),
@@ -128,16 +128,16 @@ fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
     table.done()
 }
 
-/// The largest step of every method.
+/// Returns the largest step of every method.
 pub(super) fn steps(atlas: &Atlas) -> Table {
     map(atlas, "Largest step with the right picture", step)
 }
 
-/// The four maps.
+/// Returns the four maps.
 pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
     let options = &atlas.options;
     let step_s = format::seconds(options.step_s);
-    // The first map answers; the others are looked up.
+    // The first map is unfolded, the others folded.
     let section = |id: &str, title: &str, text: String, table: Table| {
         let section = Section::new(id, title).with(text).with(table);
         match id {

@@ -1,4 +1,4 @@
-//! The stability study: which method survives which hard scene, and how the others fail.
+//! Stability study: stable methods for every hard scene, and failures of the others.
 
 mod maps;
 mod text;
@@ -12,7 +12,7 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-/// The page.
+/// Returns the page.
 #[must_use]
 pub fn page(atlas: &Atlas, made: &Provenance) -> String {
     let mut sections = maps::sections(atlas);

@@ -1,4 +1,4 @@
-//! The study on a terminal: what each method gets right. The page has the map of scenes.
+//! Text of the study for a terminal: successes of each method. The page has the map of scenes.
 
 use crate::format::{joined, significant};
 use crate::terminal::{self, paragraphs, titled};

@@ -1,4 +1,4 @@
-//! A sweep's page: figures over what was varied, and every run in a table.
+//! Page of a sweep: figures over the varied keys, and every run in a table.
 
 use crate::format::{count, joined, plain, readable_unit, relative, seconds, significant};
 use crate::study::{
@@ -19,12 +19,12 @@ mod tolerances;
 
 pub use text::{list, text};
 
-/// Rows of the table of runs at most; the CSV has all.
+/// Largest number of rows in the table of runs; the CSV has all.
 const MOST_ROWS: usize = 500;
-/// Figures to choose from at most.
+/// Largest number of selectable figures.
 const MOST_FIGURES: usize = 40;
 
-/// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
+/// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
 #[must_use]
 pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
     let unfinished = sweep::broken(plan, records).count();
@@ -60,7 +60,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         sections.push(Section::new("figures", "Figures").with(Block::Grid(grid)));
     }
     let all = Section::new("runs", "Runs").with(runs(plan, table));
-    // Folded where there is something to look at before.
+    // Folded if other sections come before.
     sections.push(match sections.is_empty() {
         true => all,
         false => all.folded("Every run: what was varied, how it ended, its figures"),
@@ -168,13 +168,13 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     })
 }
 
-/// Simulated time of all runs, s: balances have none.
+/// Returns the simulated time of all runs, s; balances have none.
 fn simulated_s(plan: &Plan) -> f64 {
     let moving = plan.runs.iter().filter(|run| run.engine != STATICS);
     moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
 }
 
-/// Heading and unit of a column, if it is a figure.
+/// Returns heading and unit of a column, if it is a figure.
 fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     let share = match name {
         "efficiency" => Some("Efficiency"),
@@ -194,7 +194,7 @@ fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     is_known.then(|| (format!("{label}, {word}"), unit))
 }
 
-/// A column of numbers that are not the same in every run, as a figure.
+/// Returns a column of differing numbers as a figure.
 fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
     let Values::Number(values) = &column.values else {
         return None;
@@ -215,14 +215,13 @@ fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
     })
 }
 
-/// The largest magnitude.
+/// Returns the largest magnitude.
 fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     let values = values.into_iter();
     values.fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// Grid of the varied keys, and of the engines where there are several, with every figure that is not the same in every
-/// run.
+/// Returns a grid of the varied keys, and of several engines, with every figure that differs between runs.
 fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
     let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
     let engines = &plan.sweep.engines;
@@ -234,7 +233,7 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
         });
     }
     let mut columns: Vec<&Column> = table.columns.iter().collect();
-    // Peaks of forces and means of torques say most; the rest follows in its order.
+    // Peaks of forces and means of torques come first; the rest follows in its order.
     columns.sort_by_key(|column| match column.name.as_str() {
         "peak_external_sleeve_force_n" => 0,
         "peak_internal_sleeve_force_n" => 1,
@@ -252,12 +251,12 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
     }
 }
 
-/// An axis in the words and units that people use; of keys that change together the first, with the others' names.
+/// Returns an axis with readable labels and units; of keys that change together the first, with the others' names.
 fn axis(axis: &Axis) -> GridAxis {
     let Some((key, values)) = axis.keys.first() else {
         return GridAxis::default();
     };
-    // Units that keys of scenes have and quantities do not.
+    // Units of keys that quantities do not have.
     const OWN: [(&str, &str); 2] = [("_n_s_m", "N s/m"), ("_kg_m3", "kg/m\u{b3}")];
     let name = |key: &str| {
         let key = key.rsplit('.').next().unwrap_or(key);
@@ -288,7 +287,8 @@ fn axis(axis: &Axis) -> GridAxis {
     }
 }
 
-/// Uncertainty of a figure: the engine's own statement, what lies between samples, and of means what the window's place does to them.
+/// Returns the uncertainty of a figure: the engine's own, that of sampling, and for means the effect of the window's
+/// position.
 fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
     let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
@@ -297,12 +297,12 @@ fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let mean_of = column.strip_prefix("mean_");
     let spread = mean_of.and_then(|quantity| record.figures.get(quantity));
     let drift = spread.map_or(f64::NAN, |spread| spread.drift);
-    // What is not known adds nothing; if neither is, nothing is said.
+    // Unknown parts add nothing; without any the result is unknown.
     let parts = [numerical, drift].into_iter();
     parts.filter(|part| part.is_finite()).reduce(f64::hypot)
 }
 
-/// The table of runs.
+/// Returns the table of runs.
 fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     let all = table.len();
     let reasons: Vec<String> = (0..all.min(MOST_ROWS))

@@ -1,4 +1,4 @@
-//! A sweep on a terminal.
+//! Text of a sweep for a terminal.
 
 use crate::format::joined;
 use crate::terminal::{self, BAD, pairs, styled, titled};
@@ -8,19 +8,19 @@ use pinwheel_timeseries::{Ending, columns};
 
 use super::{simulated_s, tolerances, uncertainty};
 
-/// Figures of a sample at most; the page and summary.json have more.
+/// Largest number of figures of a sample; the page and summary.json have more.
 const MOST_FIGURES: usize = 8;
 
-/// Runs that a terminal lists.
+/// Largest number of listed runs.
 const MOST_RUNS: usize = 12;
-/// Figures that the list shows of each run.
+/// Figures listed for each run.
 const SHOWN: [(&str, &str, &str); 3] = [
     ("peak", columns::EXTERNAL_FORCE, "ext N"),
     ("peak", columns::INTERNAL_FORCE, "int N"),
     ("mean", columns::INPUT_TORQUE, "torque N m"),
 ];
 
-/// The runs that a sweep asks for.
+/// Returns the list of planned runs.
 #[must_use]
 pub fn list(plan: &Plan) -> String {
     let mut table = Table::of("", &plan.runs)
@@ -32,7 +32,7 @@ pub fn list(plan: &Plan) -> String {
     titled(&plan.sweep.name, [terminal::table(&table.done())])
 }
 
-/// Endings of the runs and places of the results; `files`: pairs of a word and a place.
+/// Returns endings of the runs and paths of the results; `files`: pairs of label and path.
 #[must_use]
 pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
@@ -96,12 +96,12 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
     titled(&plan.sweep.name, [result, pairs(rows)])
 }
 
-/// Table of the varied keys and the largest forces and mean torque of each run, or of the first ones.
+/// Returns a table of the varied keys and the largest forces and mean torque of each run, or of the first ones.
 fn result(plan: &Plan, records: &[RunRecord]) -> String {
     let rows = plan.runs.iter().zip(records).take(MOST_RUNS);
     let mut table = Table::of("", rows).text("", "engine", |(run, _)| &run.engine);
     for (place, key) in plan.keys().enumerate() {
-        // The last word of a key is the label; the full key stands below.
+        // The last part of a key is the label; the full key is below.
         let label = key.rsplit('.').next().unwrap_or(key);
         table = table.text("", label, |(run, _)| run.values[place].1.to_string());
     }

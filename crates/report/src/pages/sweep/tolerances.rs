@@ -1,4 +1,4 @@
-//! Results of a sample, on the page and on a terminal.
+//! Results of a sample, for the page and a terminal.
 
 use crate::format::{joined, significant};
 use crate::study::{Axis, Block, Chart, Mark, Question, Section, Series, Tile, Tone, Verdict};
@@ -9,18 +9,18 @@ use pinwheel_studies::sweep::{
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Shown, Table, Values};
 
-/// Figures that are shown at most; summary.json has all.
+/// Largest number of figures; summary.json has all.
 const MOST_FIGURES: usize = 20;
-/// Charts at most.
+/// Largest number of charts.
 const MOST_CHARTS: usize = 6;
-/// Keys that are named as what decides.
+/// Largest number of decisive keys.
 const MOST_KEYS: usize = 4;
-/// Digits of a figure.
+/// Significant digits of a figure.
 const DIGITS: usize = 4;
-/// Least share of the variance that a straight line must explain. Below it, the slopes do not show which key decides.
+/// Least share of the variance that a linear fit must explain. Below it, the slopes do not identify decisive keys.
 const STRAIGHT: f64 = 0.7;
 
-/// Figures that are shown: those of the specification, then balances and means, then the others.
+/// Returns the figures: those of the specification, then balances and means, then the others.
 pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {
@@ -37,7 +37,7 @@ pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureO
     figures
 }
 
-/// `94.3 % of 1000 runs keep the specification (with 95 % confidence 92.7 to 95.6 %)`.
+/// Returns e.g. `94.3 % of 1000 runs keep the specification (with 95 % confidence 92.7 to 95.6 %)`.
 pub(super) fn yield_in_words(found: &Yield) -> String {
     let [low, high] = found.interval.map(|share| 100.0 * share);
     format!(
@@ -47,14 +47,14 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
     )
 }
 
-/// A sample in words: its engine and what else is varied.
+/// Returns engine and other varied keys of a sample.
 pub(super) fn place(found: &SampleResult) -> String {
     let varied = found.varied.iter();
     let varied = varied.map(|(key, value)| format!("{key} = {value}"));
     joined(", ", [found.engine.clone()].into_iter().chain(varied))
 }
 
-/// Keys that decide a figure, in words, with their share of the variance.
+/// Returns the decisive keys of a figure with their share of the variance.
 pub(super) fn decides(figure: &FigureOfSample) -> String {
     let share = |of: &pinwheel_studies::sweep::Sensitivity| {
         let straight = figure.linear.is_some_and(|linear| linear >= STRAIGHT);
@@ -71,10 +71,10 @@ pub(super) fn decides(figure: &FigureOfSample) -> String {
     joined(", ", words)
 }
 
-/// Fewer runs have none beyond their outer quantiles.
+/// Least number of runs for tails beyond the outer quantiles.
 const TAILS: usize = 20;
 
-/// `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`; of few runs their ends, without spread the value alone.
+/// Returns `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`; for few runs their ends, without spread the value alone.
 pub(super) fn in_words(figure: &FigureOfSample) -> String {
     let [low, middle, high] = between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
     let said = |value| significant(value, DIGITS);
@@ -94,7 +94,7 @@ pub(super) fn in_words(figure: &FigureOfSample) -> String {
     format!("{middle}, {spread}{decides}")
 }
 
-/// The middle quantile and the outer ones of a figure.
+/// Returns the median and the outer quantiles of a figure.
 pub(super) fn between(figure: &FigureOfSample) -> [Option<&Quantile>; 3] {
     [0.05, 0.5, 0.95].map(|share| figure.quantiles.iter().find(|q| q.share == share))
 }
@@ -103,7 +103,7 @@ pub(super) fn in_full(def: &FigureDef) -> String {
     named(&def.label, &def.unit)
 }
 
-/// The verdict of a sweep with a specification, of its worst sample.
+/// Returns the verdict of a sweep with a specification, by its worst sample.
 pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
     let yields = found.iter().filter_map(|f| Some((f, f.yielded.as_ref()?)));
     let (worst, of) = yields.min_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
@@ -203,7 +203,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
     [spread.into(), keys.into()]
 }
 
-/// Distributions of the first figures, with their limits.
+/// Returns distributions of the first figures, with their limits.
 fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
     let chart = |figure: &FigureOfSample| {

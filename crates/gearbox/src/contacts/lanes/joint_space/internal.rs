@@ -1,4 +1,4 @@
-//! Contacts of the output's pins with the holes.
+//! Contacts of the output pins with the holes.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw, Real};
 use pinwheel_mbs::BodyState;
