@@ -3,9 +3,9 @@
 //! Nodes are bodies, then revolutes, then drivers. A body may be eliminated at any time. A constraint waits for the bodies that
 //! [`prerequisites`] lists, so that its pivot is regular whenever D has full rank:
 //! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose, because each has its own
-//! body;
+//!   body;
 //! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it lie within the closed
-//! loops or have their own bodies, so that they are independent rows of D.
+//!   loops or have their own bodies, so that they are independent rows of D.
 
 use crate::mechanism::Mechanism;
 use crate::tree::Forest;

@@ -7,12 +7,12 @@
 //! k(u) = sum of k_i max(0, |u| - b_i) sign(u)
 //! ```
 //! * **k**: springs in parallel, each with its dead band. They pass through the equilibria at [`LEVELS`] of the rated torque,
-//! averaged over the mesh and both directions: the largest curve of rising slope that is nowhere above these points. Free play
-//! is the first dead band.
+//!   averaged over the mesh and both directions: the largest curve of rising slope that is nowhere above these points. Free play
+//!   is the first dead band.
 //! * **c**: damping of the contacts at the equilibrium under the rated load, with the discs following
-//! ([`Statics::compliance`]).
+//!   ([`Statics::compliance`]).
 //! * **friction**: losses of runs, as a torque on the output, fitted by a constant, a part proportional to the load and one
-//! proportional to the speed, none below 0. Without runs it is unknown and omitted.
+//!   proportional to the speed, none below 0. Without runs it is unknown and omitted.
 //! * **J_in**: input shaft and the discs' masses on its eccentrics. **J_out**: output with its pins, and the discs' rotation.
 //!
 //! The joint omits the transmission error, and the variation of stiffness and play over the mesh (their spread is given).

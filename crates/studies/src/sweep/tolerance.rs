@@ -1,8 +1,8 @@
 //! Statistics of a sample: quantiles, sensitivities to each key, and the yield.
 //!
 //! * **Quantiles** with 95 % intervals between order statistics, for any distribution (W. J. Conover, Practical Nonparametric
-//! Statistics, 1999, section 3.2). The intervals apply to independent points; those of a hypercube or a Sobol sequence are more
-//! uniform, so that the intervals are too wide rather than too narrow.
+//!   Statistics, 1999, section 3.2). The intervals apply to independent points; those of a hypercube or a Sobol sequence are more
+//!   uniform, so that the intervals are too wide rather than too narrow.
 //! * **Standardised regression coefficients** of the figure over the keys (A. Saltelli et al., Global Sensitivity Analysis, 2008,
 //!   section 1.2.5): the change of the figure, in its standard deviations, when a key changes by one of its own. For independent keys
 //!   their squares add up to R^2, the share of the figure's variance that a straight line explains.
