@@ -29,10 +29,8 @@ fn table() -> toml::Table {
 fn steel_drive(data: &toml::Table) -> Scene {
     let drive = data["printed"].as_array().unwrap().iter();
     let drive = drive.map(|one| one.as_table().unwrap());
-    let drive = drive
-        .filter(|one| one["drive"] == data["budget"]["drive"])
-        .last()
-        .unwrap();
+    let mut drive = drive.filter(|one| one["drive"] == data["budget"]["drive"]);
+    let drive = drive.next_back().unwrap();
     let of = |key: &str| drive[key].as_float().unwrap();
     let mut scene = Scene::paper();
     let gear = &mut scene.gear;
