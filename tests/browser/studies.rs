@@ -118,7 +118,7 @@ fn browser_shows_measured_data() {
         fs::write(dir.join("rig.toml"), map).unwrap();
         let typed = "compare rigged.toml --engines native-reduced --against rig.csv --map rig.toml";
         let page = page(dir, typed);
-        flawless(browser, &page, [2, 1, 4]);
+        flawless(browser, &page, [2, 1, 5]);
         browser.open(&page, crate::DESK);
         browser.evaluate("new Promise((r) => setTimeout(r, 600))");
         let seen = browser.evaluate(

@@ -362,13 +362,14 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         .collect();
     assert_eq!(names, known, "{what}");
     let mut left = names_in(dir);
-    // A part of a stopped bench or stability study stays beside it on purpose, like the tolerances of a gear.
+    // A part of a stopped bench or stability study stays beside it on purpose, like tolerances and schema of a gear.
     left.retain(|name| {
         let known = [
             "out",
             "said",
             "out.partial",
             "gear.tolerances.toml",
+            "scene.schema.json",
             writer.words_out(),
         ];
         !kept.contains(name) && !known.contains(&name.as_str())

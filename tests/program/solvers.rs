@@ -620,7 +620,7 @@ fn bad_input_of_solvers_is_one_line() {
                 "one.toml",
             ],
             2,
-            "leave one out, or type `pinwheel compare SCENE --engines native,rapier-colliders --solver one.toml`",
+            "leave one out, or type `pinwheel compare SCENE --engines rapier-colliders --solver one.toml`",
         ),
         // Named twice it is meant once.
         (

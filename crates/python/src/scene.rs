@@ -138,7 +138,7 @@ pub(crate) fn figures() -> Vec<(&'static str, &'static str, &'static str, &'stat
         .collect()
 }
 
-/// What a figure or a column is, and its unit.
+/// Returns label and unit of a figure or of a column of a sweep.
 #[pyfunction]
 pub(crate) fn named(name: &str) -> (String, String) {
     let known = definitions::all().find(|def| def.key == name).cloned();

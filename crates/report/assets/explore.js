@@ -306,7 +306,7 @@ document.addEventListener('DOMContentLoaded', () => {
       if (charts.has(label)) charts.get(label).update({ series: lines });
       else {
         const plot = make('div', { class: 'plot' });
-        $('series').append(make('article', { class: 'panel' }, make('h3', {}, label), plot));
+        $('series').append(make('article', { class: 'panel' }, make('h2', { class: 'small' }, label), plot));
         const x = { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` };
         const y = { label: label.match(/\(([^)]*)\)/)?.[1] || label };
         charts.set(label, PinwheelCharts.chart(plot, { x, y, series: lines, describe: `${label} of both states over a turn`, height: 180, group: 'explore' }));

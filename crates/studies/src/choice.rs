@@ -100,7 +100,7 @@ pub struct Listed {
     pub summary: String,
     /// Differences from the native solver.
     pub differences: String,
-    /// What it takes to run it here; nothing if it runs now.
+    /// Missing part without which the engine does not run here; `None` if it runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub needs: Option<String>,
 }

@@ -329,8 +329,9 @@ pub fn figures(
 pub const GEARS: usize = 40;
 const SEED: u64 = 1;
 
-/// Of a fixed sample of gears within the tolerances of a scene (`[uncertain]`, uniform), those that can be assembled and bear their
-/// load as far as that is judged: their share, and its ends with 95 % confidence. `None` of a scene without tolerances or limits.
+/// Returns the share of gears that can be assembled and bear their load, as far as that is judged, and the ends of its interval
+/// of 95 % confidence. The gears are a fixed sample, uniform within the tolerances of a scene (`[uncertain]`). `None` without
+/// tolerances or limits.
 ///
 /// # Errors
 /// Cancelled.

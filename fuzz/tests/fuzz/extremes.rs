@@ -42,6 +42,15 @@ fn beside(key: &str) -> &'static str {
     match key {
         "bearings.sleeve_friction_coefficient" => return "bearings.sleeve_bore_m = 0.01\n",
         "bearings.sleeve_bore_m" => return "bearings.sleeve_friction_coefficient = 0.01\n",
+        "structure.output_pin_diameter_m" => {
+            return "bearings.internal_sleeves_held = \"one-end\"\n";
+        }
+        "structure.output_seat_length_m" => {
+            return "bearings.internal_sleeves_held = \"one-end\"\nstructure.output_pin_diameter_m = 0.006\n";
+        }
+        "structure.plate_thickness_m" => return "structure.plate_radius_m = 0.02\n",
+        "structure.plate_radius_m" => return "structure.plate_thickness_m = 0.005\n",
+        _ if key.starts_with("temperature.") => return "contact.material = \"steel\"\n",
         _ => {}
     }
     match key.strip_prefix("bearings.eccentric.") {

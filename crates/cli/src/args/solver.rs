@@ -33,15 +33,21 @@ impl Solvers {
         let mut all = self.join()?;
         let others = names.iter().filter(|name| !all.contains(name));
         let others: Vec<String> = others.cloned().collect();
-        let engines = others.join(",");
+        let engines = match others.is_empty() {
+            true => String::new(),
+            false => format!(" --engines {}", others.join(",")),
+        };
+        let files = self.files.iter();
+        let files: String = files
+            .map(|file| format!(" --solver {}", file.display()))
+            .collect();
         all.extend(others);
-        match (all.as_slice(), self.files.first()) {
-            ([], _) => Ok("native".to_owned()),
-            ([one], _) => Ok(one.clone()),
-            (_, file) => Err(Failure::input(format!(
-                "one engine runs here, not {}; leave one out, or type `pinwheel compare SCENE --engines native,{engines} --solver {}`",
-                all.join(" and "),
-                file.map_or_else(|| "FILE".into(), |file| file.to_string_lossy())
+        match all.as_slice() {
+            [] => Ok("native".to_owned()),
+            [one] => Ok(one.clone()),
+            _ => Err(Failure::input(format!(
+                "one engine runs here, not {}; leave one out, or type `pinwheel compare SCENE{engines}{files}`",
+                all.join(" and ")
             ))),
         }
     }

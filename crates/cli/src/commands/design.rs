@@ -51,7 +51,8 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     }
     files.push((&schema.0, &schema.1, is_schema));
     folder::check(&schema.0, &is_schema)?;
-    for (path, text, ours) in &files {
+    // The scene last: what refers to files has them.
+    for (path, text, ours) in files.iter().rev() {
         folder::replace(path, text.as_bytes(), ours)?;
     }
     let shown = |path: &Path| quoted(&path.display().to_string());

@@ -188,7 +188,7 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     notes
 }
 
-/// What is hard to believe, and the notes but for the next step, which is a tile.
+/// Returns doubts and notes, without the next step, which is a tile.
 fn facts(found: &DesignResult) -> Vec<Fact> {
     let notes = unsure(found).into_iter().chain(notes(found));
     notes

@@ -59,6 +59,13 @@ fn rows_are_the_model() {
          friction_coefficient = 0.002\nbore_m = 0.02",
     )
     .unwrap();
+    scene.structure = toml::from_str(
+        "output_pin_diameter_m = 6e-3\noutput_seat_length_m = 1e-2\nring_seat_length_m = 1e-2\n\
+         ring_slot_clearance_m = 1e-6\nhousing_material = \"steel\"\nplate_thickness_m = 5e-3\n\
+         plate_radius_m = 2e-2\ninput_torsion_n_m_rad = 1e4",
+    )
+    .unwrap();
+    scene.temperature = toml::from_str("housing_k = 1.0\ndisc_k = 2.0\npins_k = 3.0").ok();
     scene.cranks = toml::from_str(
         "count = 2\ncircle_radius_m = 0.03\nbore_radius_m = 0.01\nsun_teeth = 12\nplanet_teeth = 36\n\
          support_stiffness_n_m = 1e8\nmesh_stiffness_n_m = 1e8",

@@ -459,6 +459,10 @@ impl<'a> Answer<'a> {
             absent.entry(why).or_default().push(info.name);
         }
         let mut facts = Vec::new();
+        if self.measured().is_none() {
+            let text = "nothing here is measured; `--against rig.csv --map rig.toml` would";
+            facts.push(Fact::new("measurement", Mark::None, text));
+        }
         for (why, names) in absent.into_iter().rev() {
             let families = names.iter().map(|name| pinwheel_engines::family(name));
             let families = joined(", ", families.collect::<BTreeSet<&str>>());
@@ -507,10 +511,6 @@ impl<'a> Answer<'a> {
             );
             facts.push(Fact::new(UNRESOLVED, Mark::None, text));
         }
-        if self.measured().is_none() {
-            let text = "nothing here is measured; `--against rig.csv --map rig.toml` would";
-            facts.push(Fact::new("measurement", Mark::None, text));
-        }
         facts
     }
 
@@ -526,7 +526,7 @@ impl<'a> Answer<'a> {
         facts.collect()
     }
 
-    /// What has to be settled before the figures are used.
+    /// Returns the open questions of a comparison, each with a way to settle it.
     pub(super) fn open(&self) -> Vec<String> {
         let open = words::inconclusive(&self.found.comparison).into_iter();
         let open = open.map(|(who, why)| format!("{who}: {why}"));
