@@ -9,13 +9,14 @@ use std::f64::consts::TAU;
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{LoadChange, Scales, Scene, Start};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
 use crate::balances::figures::LOST;
 use crate::balances::spread::ARCMIN;
-use crate::control::compile;
+use crate::control::{compile, of_scene};
 use crate::{Control, StudyError, single};
 
 /// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
@@ -71,7 +72,9 @@ pub struct Cycle {
 pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
     let mut scene = Scene::clone(&gearbox.scene);
     let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
-    let acts = scene.slides() && !rolls;
+    // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
+    let rubbing = Statics::rubbing(gearbox).map_err(|source| of_scene(&scene, source))?;
+    let acts = rubbing.is_some() && scene.slides() && !rolls;
     let periods = if acts { SLOW_WITH_FRICTION } else { SLOW };
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
     if acts {
@@ -130,7 +133,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let fades = scene.rubs() && !acts;
+    let fades = rubbing.is_some() && !acts;
     let width = |every: usize| apart(0.0, every).filter(|_| !fades);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
