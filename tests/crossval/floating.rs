@@ -104,6 +104,10 @@ fn agree(gears: &[(&str, &[(&str, &str)])], least: [f64; 2]) {
 }
 
 /// Three discs that bend output pins together, with seats, slots and a warm ring, on elastic bearings.
+///
+/// The load closes slots and warm gap at 0.31 ms. Before, no ring pin carries anything and the driver's torque stays below 3 mN m
+/// of 3.9 N m, so that its relative error is large: D 9.5e-4 after 0.2 ms, 2.0e-3 with a backlash of that size and rigid parts.
+/// Measured over 0.5 ms: D 3.8e-5, U 4.9e-4.
 const STRUCTURE: &[(&str, &[(&str, &str)])] = &[(
     "paper-bearings",
     &[
@@ -117,7 +121,6 @@ const STRUCTURE: &[(&str, &[(&str, &str)])] = &[(
         ("structure.housing_material", "\"aluminium\""),
         ("contact.material", "\"steel\""),
         ("temperature.housing_k", "5"),
-        ("solver.duration_s", "0.0002"),
     ],
 )];
 
@@ -203,7 +206,10 @@ fn faults(preset: &str, sets: &[(&str, &str)], least: [f64; 2]) -> Vec<String> {
         for pair in pairs.filter(|pair| pair.a == ENGINES[0].0 && pair.b == *name) {
             for entry in &pair.entries {
                 let result = &entry.result;
-                if result.verdict == Verdict::Differ {
+                // Pins that carry nothing would test nothing.
+                let idle = result.verdict == Verdict::NotCompared
+                    && entry.quantity.ends_with("sleeve_force_n");
+                if result.verdict == Verdict::Differ || idle {
                     wrong.push(format!("{gear}, {name}, {}: {result:?}", entry.quantity));
                 }
                 let size = |x: Option<f64>| x.map_or(0.0, f64::abs);

@@ -19,7 +19,8 @@ use super::motion::{Motion, WheelFrame};
 use crate::Layout;
 use crate::scene::Scene;
 
-/// Largest number of steps, and the error of forces at which they end, relative to the largest.
+/// Largest number of steps, and the error of forces at which they end, relative to the largest. Rounding of the places may exceed
+/// it, and then ends them.
 const STEPS: usize = 200;
 const SETTLED: f64 = 1e-13;
 
@@ -94,7 +95,7 @@ impl SharedPins {
                     touch.normal * frame.turn,
                 )
             };
-            let pressed = self.pressed(law, touch);
+            let pressed = self.pressed(law, f64::EPSILON * centre.norm(), touch);
             for wheel in 0..self.influence.len() {
                 let moved = self.moved(wheel, &pressed);
                 let work = -pressed.forces[wheel] * pressed.normals[wheel].dot(moved);
@@ -114,10 +115,12 @@ impl SharedPins {
             .fold(Complex::default(), |sum, part| sum + part)
     }
 
-    /// Solves the forces on one pin; `touch` is depth, K and normal at a disc, with the pin displaced.
+    /// Solves the forces on one pin; `touch` is depth, K and normal at a disc, with the pin displaced; `rounding_m` is the
+    /// depth's error.
     fn pressed(
         &self,
         law: &PinLaw,
+        rounding_m: f64,
         touch: impl Fn(usize, Complex) -> (f64, f64, Complex),
     ) -> Pressed {
         let discs = self.influence.len();
@@ -145,7 +148,8 @@ impl SharedPins {
                 largest = largest.max(force);
             }
             let error = left.amax();
-            if error <= SETTLED * largest {
+            let stiffest = slopes.into_iter().fold(0.0, f64::max);
+            if error <= (SETTLED * largest).max(stiffest * rounding_m) {
                 break;
             }
             let matrix = SMatrix::<f64, MOST_DISCS, MOST_DISCS>::from_fn(|one, other| {
