@@ -95,6 +95,8 @@ struct Centre<S: Simd> {
 struct At<'a, S: Simd> {
     law: &'a PinLaw,
     contact: [Lanes<S>; 3],
+    /// True on the profile. Holes, of one stiffness each, need no force along them.
+    on_profile: bool,
 }
 
 impl<S: Simd> pulp::WithSimd for At<'_, S> {
@@ -104,10 +106,11 @@ impl<S: Simd> pulp::WithSimd for At<'_, S> {
     #[inline(always)]
     fn with_simd<T: Simd>(self, _simd: T) -> Self::Output {
         let [stiffness, depth, closing] = self.contact;
-        (
-            self.law.force(stiffness, depth, closing),
-            self.law.along(stiffness, depth),
-        )
+        let force = self.law.force(stiffness, depth, closing);
+        match self.on_profile {
+            true => (force, self.law.along(stiffness, depth)),
+            false => (force, None),
+        }
     }
 }
 
@@ -118,8 +121,11 @@ impl<S: Simd> Pressure<S> {
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let (c, law) = (|x: f64| depth.like(x), &group.law(law));
         let at = |stiffness, depth, closing| {
-            let contact = [stiffness, depth, closing];
-            simd.vectorize(At { law, contact })
+            simd.vectorize(At {
+                law,
+                contact: [stiffness, depth, closing],
+                on_profile: group.external,
+            })
         };
         let here = at(stiffness, depth, closing);
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
