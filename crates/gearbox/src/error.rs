@@ -31,9 +31,9 @@ pub enum GearboxError {
         /// Load torque, N m.
         load_n_m: f64,
     },
-    /// Friction under which parts stay where they are.
-    #[error("friction leaves no balance: the gear locks itself")]
-    Locks,
+    /// No balance with friction, because the gear locks itself or parts stick.
+    #[error("no balance with friction was found; the gear may lock itself")]
+    Sticks,
     /// Change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),

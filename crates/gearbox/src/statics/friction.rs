@@ -7,9 +7,10 @@
 
 use std::sync::Arc;
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::Wrench;
 
+use super::newton::update;
 use super::problem::{Free, LEFT, OF_A_DISC, Problem, TRACKED};
 use super::{Equilibrium, Motion, Statics};
 use crate::contacts::{self, Seals};
@@ -21,8 +22,17 @@ const BORE_M: f64 = 1e-3;
 /// Speed at which everything slides, rad/s: of the input of a gear at rest, and of the output under a changing load.
 const SLIDES_RAD_S: f64 = 1e4;
 /// Most rounds of sliding and balance, and the change of a balance that ends them, relative to the contacts' depths and twists.
-const ROUNDS: usize = 40;
+const ROUNDS: usize = 24;
 const KNOWN: f64 = 1e-6;
+/// Speed of the output at which nearly nothing rubs, rad/s: friction fades below a sliding of some 1 rad/s. Where the rounds fail
+/// because parts stick, they begin here, and go on to a higher speed and to full sliding in turn.
+const CREEPS_RAD_S: f64 = 1e-4;
+/// Growth factor of that speed, replaced by its square root where it fails, and the least factor.
+const GROWTH: f64 = 4.0;
+const LEAST_GROWTH: f64 = 1.05;
+
+/// Balance, rates of its unknowns, and inverse derivatives of the rates that they miss.
+type Sliding = (Equilibrium, DVector<f64>, DMatrix<f64>);
 
 /// Leaves of a scene what slow motion has.
 fn slow(mut scene: Scene) -> Scene {
@@ -57,7 +67,7 @@ impl<'a> Statics<'a> {
     /// scene's direction, -1 in the other.
     ///
     /// # Errors
-    /// [`GearboxError::Locks`]
+    /// [`GearboxError::Sticks`]
     pub fn turning(
         &mut self,
         way: f64,
@@ -89,7 +99,7 @@ impl<'a> Statics<'a> {
     /// rises (`way` 1, counter-clockwise) or falls (-1).
     ///
     /// # Errors
-    /// [`GearboxError::Locks`]
+    /// [`GearboxError::Sticks`]
     pub fn loading(
         &mut self,
         way: f64,
@@ -97,30 +107,76 @@ impl<'a> Statics<'a> {
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
         let problem = self.problem(near.input, load, &self.carrier);
-        let layout = self.gearbox.layout;
-        self.motion = Motion::none(layout.wheels);
-        let (mut found, mut u) = (near.clone(), problem.unknowns(&near.bodies, layout));
-        for _ in 0..ROUNDS {
-            let here = self.residual(&problem, &u);
-            let jacobian = problem.held(self.differences(&problem, &u, &here), LEFT);
-            let mut change = DVector::zeros(u.len());
-            change[0] = -1.0;
-            let moves = jacobian.lu().solve(&change).ok_or(GearboxError::Locks)?;
-            self.motion = self.along(&problem, &(moves * way));
-            found = self.slide(&found, load)?;
-            let next = problem.unknowns(&found.bodies, layout);
-            let moved = problem.moved(next.iter().zip(&u).map(|(next, u)| next - u));
-            u = next;
-            if moved < KNOWN {
-                return Ok(found);
+        self.motion = Motion::none(self.gearbox.layout.wheels);
+        let rates = self.rates(&problem, near, way)?;
+        let inverse = -DMatrix::identity(rates.len(), rates.len());
+        let mut here = (near.clone(), rates, inverse);
+        let (mut speed, mut next, mut growth) = (CREEPS_RAD_S, SLIDES_RAD_S, GROWTH);
+        while growth > LEAST_GROWTH {
+            match self.settle(&problem, here.clone(), way, next) {
+                Some((found, ..)) if next >= SLIDES_RAD_S => return Ok(found),
+                Some(found) => (here, speed, next) = (found, next, SLIDES_RAD_S),
+                None => {
+                    if next < SLIDES_RAD_S {
+                        growth = growth.sqrt();
+                    }
+                    next = speed * growth;
+                }
             }
         }
-        Err(GearboxError::Locks)
+        Err(GearboxError::Sticks)
     }
 
-    /// Returns the motion in which the unknowns change like `moves`.
-    fn along(&self, problem: &Problem, moves: &DVector<f64>) -> Motion {
-        let rates = moves * (SLIDES_RAD_S / moves[0].abs());
+    /// Finds the balance whose friction is that of its own rates, with the output at `speed` (rad/s), by Broyden's method from a
+    /// near one.
+    fn settle(
+        &mut self,
+        problem: &Problem,
+        (mut found, mut rates, mut inverse): Sliding,
+        way: f64,
+        speed: f64,
+    ) -> Option<Sliding> {
+        let mut last: Option<[DVector<f64>; 2]> = None;
+        for _ in 0..ROUNDS {
+            self.motion = self.along(problem, &(&rates * speed));
+            let before = found;
+            found = self.slide(&before, problem.load).ok()?;
+            let [u, next] =
+                [&before, &found].map(|at| problem.unknowns(&at.bodies, self.gearbox.layout));
+            let moved = problem.moved(next.iter().zip(&u).map(|(next, u)| next - u));
+            if last.is_some() && moved < KNOWN {
+                return Some((found, rates, inverse));
+            }
+            let missed = self.rates(problem, &found, way).ok()? - &rates;
+            if let Some([before, step]) = &last {
+                update(&mut inverse, 1.0, step, &(&missed - before));
+            }
+            let step = -(&inverse * &missed);
+            rates += &step;
+            last = Some([missed, step]);
+        }
+        None
+    }
+
+    /// Returns the rates of the unknowns at a balance as the load rises or falls, relative to the output's.
+    fn rates(
+        &mut self,
+        problem: &Problem,
+        at: &Equilibrium,
+        way: f64,
+    ) -> Result<DVector<f64>, GearboxError> {
+        let u = problem.unknowns(&at.bodies, self.gearbox.layout);
+        let here = self.residual(problem, &u);
+        let jacobian = problem.held(self.differences(problem, &u, &here), LEFT);
+        let mut change = DVector::zeros(u.len());
+        change[0] = -way;
+        let moves = jacobian.lu().solve(&change).ok_or(GearboxError::Sticks)?;
+        let output = moves[0].abs();
+        Ok(moves / output)
+    }
+
+    /// Returns the motion in which the unknowns have these rates.
+    fn along(&self, problem: &Problem, rates: &DVector<f64>) -> Motion {
         let mut motion = Motion::none(self.gearbox.layout.wheels);
         motion.output[0] = rates[0];
         let discs = motion.wheels.iter_mut().zip(&mut motion.centres);
@@ -145,7 +201,7 @@ impl<'a> Statics<'a> {
             ..near.clone()
         };
         let found = self.continue_from(&near, near.input, load);
-        found.ok_or(GearboxError::Locks)
+        found.ok_or(GearboxError::Sticks)
     }
 
     /// Returns the driver's torque at a balance in which the input [turns](Self::turning), N m: by virtual work along the rates

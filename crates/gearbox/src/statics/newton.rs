@@ -55,7 +55,12 @@ fn beyond(u: &[f64], share: f64, step: &DVector<f64>) -> Vec<f64> {
 }
 
 /// Updates the inverse by Broyden's formula from `share` of a step and the change of the residual that it made.
-fn update(inverse: &mut DMatrix<f64>, share: f64, step: &DVector<f64>, change: &DVector<f64>) {
+pub(super) fn update(
+    inverse: &mut DMatrix<f64>,
+    share: f64,
+    step: &DVector<f64>,
+    change: &DVector<f64>,
+) {
     let row = inverse.tr_mul(step);
     let over = row.dot(change);
     if over != 0.0 {

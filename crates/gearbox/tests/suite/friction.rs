@@ -34,6 +34,44 @@ sleeve_bore_m = 0.006
 density_kg_m3 = 7850.0
 "#;
 
+/// Gear of needles and sleeves that `init` suggests.
+const SUGGESTED: &str = r#"
+[gear]
+pin_circle_radius_m = 0.052
+external_sleeves = 40
+external_sleeve_radius_m = 0.00265
+eccentricity_m = 0.00084
+wheels = 2
+face_width_m = 0.0078
+internal_sleeves = 8
+internal_sleeve_radius_m = 0.009
+internal_circle_radius_m = 0.03
+hole_radius_m = 0.009849
+eccentric_bore_radius_m = 0.012
+[bearings.eccentric]
+clearance_m = 6.2e-6
+friction_coefficient = 0.0025
+bore_m = 0.01838
+rollers = 19
+roller_length_m = 0.007
+roller_diameter_m = 0.0029
+[gear.modification]
+equidistant_m = 5.4e-6
+[bearings]
+sleeve_friction_coefficient = 0.02
+sleeve_bore_m = 0.012
+internal_sleeve_stiffness_n_m = 5.8e8
+[drive]
+input_speed_rad_s = 157.079632679
+output_torque_n_m = 200.0
+[contact]
+law = "line-hertz"
+young_pa = 2.1e11
+poisson = 0.3
+[mass]
+density_kg_m3 = 7850.0
+"#;
+
 fn gearbox(sets: &[&str]) -> Gearbox {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
     Gearbox::new(&Scene::from_toml(ONE_DISC, "one disc", &sets).unwrap()).unwrap()
@@ -154,9 +192,37 @@ fn hard_friction_that_locks_leaves_no_balance() {
         (branches(&gearbox, phi, load).map(|_| ()), turns)
     };
     assert_eq!(tried(0.98), (Ok(()), Ok(())));
-    let locks = || Err(GearboxError::Locks);
+    let locks = || Err(GearboxError::Sticks);
     assert_eq!(tried(1.02), (locks(), locks()));
     assert_eq!(tried(3.0), (locks(), locks()));
+}
+
+/// The gear that `init` suggests for 39:1 and 200 N m: discs float on needles, and under light loads some parts stick, so that no part
+/// has a direction without the others. Symmetry: at the input angle 0 the loops of both directions are one.
+#[test]
+fn hard_parts_that_stick_leave_a_loop() {
+    const POSES: usize = 24;
+    let scene = Scene::from_toml(SUGGESTED, "suggested", &[]).unwrap();
+    let gearbox = Gearbox::new(&scene).unwrap();
+    let mut plain = Statics::new(&gearbox).unwrap();
+    let mut rubs = Statics::rubbing(&gearbox).unwrap().unwrap();
+    let mut width = |phi, load| {
+        let at = plain.solve(phi, load).unwrap();
+        let [rises, falls] = [1.0, -1.0].map(|way| rubs.loading(way, &at, load).unwrap().output);
+        falls - rises
+    };
+    for (share, least, most) in [(1e-4, -2e-7, 2e-7), (0.03, 0.0, 2e-6), (0.3, 0.0, 1e-5)] {
+        let load = share * scene.drive.output_torque_n_m;
+        let [ahead, back] = [load, -load].map(|load| width(0.0, load));
+        assert!((ahead / back - 1.0).abs() < 1e-3, "{share}: {ahead} {back}");
+        for k in 0..POSES {
+            let phi = std::f64::consts::TAU * k as f64 / POSES as f64 / 40.0;
+            for load in [load, -load] {
+                let width = width(phi, load);
+                assert!(width > least && width < most, "{share} {phi}: {width}");
+            }
+        }
+    }
 }
 
 /// Without friction there is nothing to solve, and pins that turn freely lose nothing.

@@ -71,16 +71,16 @@ impl Pose {
 }
 
 impl Balances {
-    /// Why there are no forces: friction leaves no balance.
+    /// Why there are no forces: no balance with friction.
     pub(crate) fn locked(&self) -> Option<String> {
         let locks = |pose: &Pose| self.rubs && pose.driver_n_m.is_none();
         self.loaded
             .iter()
             .any(locks)
-            .then(|| GearboxError::Locks.to_string())
+            .then(|| GearboxError::Sticks.to_string())
     }
 
-    /// Takes the values of forces and of what follows from them where friction leaves no balance.
+    /// Takes the values of forces and of what follows from them where there is no balance with friction.
     pub(crate) fn withhold_forces(&self, figures: &mut [Figure]) {
         let Some(why) = self.locked() else { return };
         for figure in figures {
@@ -137,7 +137,7 @@ pub(crate) fn hysteresis(
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
         let widths = found.iter().flatten().map(|widths| widths[k]);
         let Some(widths) = widths.collect::<Option<Vec<f64>>>() else {
-            let why = GearboxError::Locks.to_string();
+            let why = GearboxError::Sticks.to_string();
             return vec![def.of(None, None).withheld(why)];
         };
         parted(poses.parts, |every, of| {
