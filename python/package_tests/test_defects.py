@@ -218,8 +218,10 @@ def test_remedies_of_a_text_are_ways_of_python(tmp_path):
         assert "--" not in found.details()
     texts += [str(pinwheel.statics("steel")), str(pinwheel.explain("paper"))]
     texts.append(str(pinwheel.sweep(SHORT, vary={"backlash_m": [0.0, 1e-4]}, engines="native", out=tmp_path / "out")))
+    cargo = "cargo install --path crates/cli --features crossval"  # adds engines that Python cannot
     for text in texts:
-        assert not re.findall(r"--[a-z]+", text), text
+        words = " ".join(text.split()).replace(cargo, "")
+        assert not re.findall(r"--[a-z]+", words), text
         assert max(len(line) for line in text.splitlines()) <= 80, text
 
 

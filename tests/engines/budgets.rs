@@ -15,7 +15,7 @@ const PACKAGES: usize = 19;
 /// Programs linked by `cargo test`: those of tests, and a library once more for each crate with tests inside.
 const PROGRAMS: usize = 22;
 /// Doc comments that begin with a word for another sentence. All are help texts, which clap takes from comments.
-const NAMELESS: usize = 4;
+const NAMELESS: usize = 0;
 /// Doc comments that begin with an adverb, which may omit the subject.
 const ADVERBIAL: usize = 110;
 
