@@ -7,17 +7,15 @@ use pinwheel_tests::repository;
 use crate::loops::sources;
 
 /// Lines of the crates without blanks, comments and tests.
-const CODE: usize = 68_383;
+const CODE: usize = 70_366;
 /// Lines of all tests without blanks and comments.
-const TESTS: usize = 41_036;
+const TESTS: usize = 42_881;
 /// Packages of the workspace.
 const PACKAGES: usize = 19;
 /// Programs linked by `cargo test`: those of tests, and a library once more for each crate with tests inside.
 const PROGRAMS: usize = 22;
-/// Doc comments that begin with a word for another sentence. All are help texts, which clap takes from comments.
-const NAMELESS: usize = 0;
 /// Doc comments that begin with an adverb, which may omit the subject.
-const ADVERBIAL: usize = 110;
+const ADVERBIAL: usize = 20;
 
 /// Returns the names of the folders of crates that fulfil a condition.
 fn crates(holds: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
@@ -135,7 +133,7 @@ fn regress_lines_and_links_only_fall() {
 #[test]
 fn regress_doc_comments_name_their_subject() {
     let nameless = beginning(&["The same", "Those", "What", "Whether", "Of"]);
-    assert!(nameless.len() <= NAMELESS, "{}", nameless.join("\n"));
+    assert!(nameless.is_empty(), "{}", nameless.join("\n"));
     let adverbial = beginning(&["How", "Where", "That", "As", "By", "In"]);
     let count = adverbial.len();
     assert!(count <= ADVERBIAL, "{count}: {}", adverbial.join("\n"));
