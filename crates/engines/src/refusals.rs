@@ -47,21 +47,20 @@ pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     pins_turn(scene)?;
     let (bearings, structure) = (&scene.bearings, &scene.structure);
+    let stiffness = bearings.internal_sleeve_stiffness_n_m;
     let given = [
-        bearings
-            .internal_sleeve_stiffness_n_m
-            .map(|_| "bearings.internal_sleeve_stiffness_n_m"),
-        structure
-            .output_pin_diameter_m
-            .map(|_| "structure.output_pin_diameter_m"),
-        structure
-            .ring_seat_length_m
-            .map(|_| "structure.ring_seat_length_m"),
-        structure
-            .ring_slot_clearance_m
-            .map(|_| "structure.ring_slot_clearance_m"),
+        (stiffness, "bearings.internal_sleeve_stiffness_n_m"),
+        (
+            structure.output_pin_diameter_m,
+            "structure.output_pin_diameter_m",
+        ),
+        (structure.ring_seat_length_m, "structure.ring_seat_length_m"),
+        (
+            structure.ring_slot_clearance_m,
+            "structure.ring_slot_clearance_m",
+        ),
     ];
-    if let Some(key) = given.into_iter().flatten().next() {
+    if let Some((_, key)) = given.into_iter().find(|(size, _)| size.is_some()) {
         let reason = format!(
             "its contacts are springs of its own, and {key} puts pins in series with the scene's law"
         );

@@ -159,7 +159,7 @@ fn time_series(found: &Outcome) -> Option<Block> {
     time_series::block(&alone, &all, false)
 }
 
-/// How a run was computed, and what bounds its figures.
+/// Returns facts on the computation of a run, and on the bounds of its figures.
 fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
     let stats = &found.run.stats;
     let bands = found.bands.as_ref();

@@ -123,7 +123,7 @@ pub enum Question {
     Right,
     /// Are loads within limits?
     Bears,
-    /// How wide are the bounds of law, fit and numerics?
+    /// Question for the bounds by law, fit and numerics.
     Sure,
     /// Which command comes next, for the same scene?
     Next,
