@@ -106,7 +106,6 @@ pub struct Listed {
 }
 
 /// Returns the engines of this build.
-#[must_use]
 pub fn listed() -> Vec<Listed> {
     let one = |engine: &dyn Engine| {
         let info = engine.info();

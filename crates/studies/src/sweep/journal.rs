@@ -94,7 +94,6 @@ impl Journal {
     }
 
     /// Returns the journal's folder for results in `out`.
-    #[must_use]
     pub fn beside(out: &Path) -> PathBuf {
         beside(out, ".unfinished")
     }
@@ -123,13 +122,11 @@ impl Journal {
     }
 
     /// Returns the folder of time series.
-    #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
     /// Returns the number of runs in its own folder, without those of an earlier output.
-    #[must_use]
     pub fn in_its_folder(&self) -> usize {
         let own = |path: &&PathBuf| path.starts_with(&self.folder);
         pool::lock(&self.known).values().filter(own).count()

@@ -68,7 +68,6 @@ pub struct Guests(pub Vec<Arc<dyn Engine>>);
 
 impl Guests {
     /// Returns an engine by name, for a scene.
-    #[must_use]
     pub fn engine(&self, name: &str, scene: &Scene) -> Option<Arc<dyn Engine>> {
         let guest = self.0.iter().find(|guest| guest.name() == name);
         guest
@@ -210,7 +209,6 @@ impl Plan {
     }
 
     /// Returns the index of a run on every axis, and among the engines if there are several.
-    #[must_use]
     pub fn places(&self, run: usize) -> Vec<usize> {
         let engines = self.sweep.engines.len();
         let mut places = places_at(&self.sweep, run / engines);
