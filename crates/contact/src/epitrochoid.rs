@@ -109,19 +109,8 @@ impl Epitrochoid {
         if !valid {
             return None;
         }
-        let pitch_radius = eccentricity * f64::from(sleeves) / shortening;
-        let mut curve = Self {
-            pitch_radius,
-            eccentricity,
-            sleeves,
-            shortening,
-            reach_outside: 0.0,
-            reach_inside: 0.0,
-            steepest: 0.0,
-            settling: 1.0,
-            search: Search::default(),
-            own: None,
-        };
+        let mut curve = Self::unsearched(eccentricity, sleeves, shortening);
+        let pitch_radius = curve.pitch_radius;
         if let Some(offset) = offset {
             curve.own = Some((offset.clone(), offset.largest(), [0.0; 2]));
             let bends = curve.bends(&offset)?;
@@ -133,6 +122,22 @@ impl Epitrochoid {
         curve.steepest = curve.steepest_slope();
         curve.settling = curve.settling_share();
         Some(curve)
+    }
+
+    /// Creates the curve for its points alone, from any numbers, without what [`closest`](Self::closest) needs.
+    pub fn unsearched(eccentricity: f64, sleeves: u32, shortening: f64) -> Self {
+        Self {
+            pitch_radius: eccentricity * f64::from(sleeves) / shortening,
+            eccentricity,
+            sleeves,
+            shortening,
+            reach_outside: 0.0,
+            reach_inside: 0.0,
+            steepest: 0.0,
+            settling: 1.0,
+            search: Search::default(),
+            own: None,
+        }
     }
 
     /// True if [`new`](Self::new) makes an equal curve of these parameters.
