@@ -7,7 +7,6 @@ use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::folder::FolderError;
 use pinwheel::studies::output::OutputError;
-use pinwheel::studies::sweep::SweepError;
 use pinwheel::time_series::Ending;
 
 /// Finished; engines differ, or a result is worse than permitted.
@@ -92,11 +91,21 @@ impl From<Cancelled> for Failure {
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Cancelled => Self::stopped(),
+            StudyError::Cancelled | StudyError::Stopped { finished: 0, .. } => Self::stopped(),
+            StudyError::Stopped { finished, runs } => Self::new(
+                STOPPED,
+                format!("stopped; {finished} of {runs} runs are kept: go on with --resume"),
+            ),
             StudyError::Input(_)
             | StudyError::Load(_)
+            | StudyError::File(_)
+            | StudyError::Run { .. }
+            | StudyError::Io(..)
             | StudyError::Scene { .. }
             | StudyError::Compare(CompareError::Unmatched { .. }) => Self::input(error),
+            StudyError::Begun { .. } => Self::input(format!(
+                "{error}; go on with --resume, or start over with --force"
+            )),
             StudyError::Output(error) => error.into(),
             StudyError::Choice(error) => error.into(),
             StudyError::Ended {
@@ -112,23 +121,6 @@ impl From<StudyError> for Failure {
                 Self::engine(format!("{error}; --unchecked leaves that out"))
             }
             error => Self::engine(error),
-        }
-    }
-}
-
-impl From<SweepError> for Failure {
-    fn from(error: SweepError) -> Self {
-        match error {
-            SweepError::Output(error) => error.into(),
-            SweepError::Stopped { finished: 0, .. } => Self::stopped(),
-            SweepError::Stopped { finished, runs } => Self::new(
-                STOPPED,
-                format!("stopped; {finished} of {runs} runs are kept: go on with --resume"),
-            ),
-            SweepError::Begun { .. } => Self::input(format!(
-                "{error}; go on with --resume, or start over with --force"
-            )),
-            error => Self::input(error),
         }
     }
 }

@@ -22,7 +22,6 @@ use crate::failure::Failure;
 
 /// Runs one command line, which begins with the program's name, and returns the exit status. Call once a process: it
 /// installs the handler of Ctrl-C.
-#[must_use]
 pub fn main(words: Vec<OsString>) -> u8 {
     words::set(words);
     keep_freed_memory();

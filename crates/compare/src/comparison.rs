@@ -48,7 +48,6 @@ pub struct Comparison {
 impl Comparison {
     /// Returns the status that a program ends with: 1 where something differs, 4 where something that the user brought was not
     /// shown to agree or something is inconclusive that a setting would settle, else 0.
-    #[must_use]
     pub fn exit_status(&self) -> u8 {
         let findings = self.findings.iter().map(|finding| finding.status);
         let all = || findings.clone().chain([self.counts.exit_status()]);
@@ -103,13 +102,11 @@ impl EngineSummary {
     }
 
     /// Returns the uncertainty of the engine's figure, in the quantity's unit; `None` if it is unknown.
-    #[must_use]
     pub fn u(&self, quantity: &str, window: WindowKind, norm: Norm) -> Option<f64> {
         self.uncertainty_of(quantity, window)?.of(norm).u()
     }
 
     /// Returns the engine's figures in a window.
-    #[must_use]
     pub fn figures_in(&self, window: WindowKind) -> Option<&Figures> {
         self.figures.iter().find(|figures| figures.window == window)
     }
@@ -261,7 +258,6 @@ pub struct Cell {
 
 impl Matrix {
     /// The cell of two engines in either order; `None` on the diagonal.
-    #[must_use]
     pub fn cell(&self, i: usize, j: usize) -> Option<&Cell> {
         let (row, column) = (i.max(j), i.min(j));
         (row != column)

@@ -41,7 +41,6 @@ pub struct StatedLimit {
 pub const NEGLIGIBLE_SHARE: f64 = 1e-11;
 
 /// True if `text` fits one of the alternatives of `pattern`.
-#[must_use]
 pub fn fits(pattern: &str, text: &str) -> bool {
     pattern
         .split('|')

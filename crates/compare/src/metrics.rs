@@ -68,26 +68,22 @@ metrics! {
 
 impl Metric {
     /// Returns the row of the metric in [`METRICS`].
-    #[must_use]
     pub fn row(self) -> &'static Row {
         &METRICS[self as usize]
     }
 
     /// Returns the name in files, maps and on the terminal.
-    #[must_use]
     pub fn key(self) -> &'static str {
         self.row().key
     }
 
     /// Returns the name for readers.
-    #[must_use]
     pub fn label(self) -> &'static str {
         self.row().label
     }
 
     /// True if the metric compares two runs sample by sample, which is meaningless once rounding has driven two runs of one
     /// solver apart.
-    #[must_use]
     pub fn is_pointwise(self) -> bool {
         matches!(self.row().norm, Norm::L2 | Norm::Linf)
     }
@@ -178,7 +174,6 @@ impl PairMetrics {
     /// ```
     ///
     /// `None` if the shapes differ or `time_s` has another length.
-    #[must_use]
     pub fn of(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<Self> {
         let fits = |channel: &&[f64]| channel.len() == time_s.len();
         if !a.same_shape(b) || !a.channels().iter().all(fits) {
@@ -223,7 +218,6 @@ impl PairMetrics {
 
     /// Returns the difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
     /// `None` if one mean is zero or the means have opposite signs.
-    #[must_use]
     pub fn signed_mean_difference(&self) -> Option<f64> {
         let ratio = self.mean_ratio.filter(|ratio| *ratio > 0.0)?;
         Some(if ratio >= 1.0 {

@@ -102,7 +102,6 @@ impl Context {
     }
 
     /// True if time series can be compared sample by sample up to `to_s`.
-    #[must_use]
     pub fn is_pointwise(&self, to_s: f64) -> bool {
         let horizon = self.divergence.as_ref().and_then(|d| d.horizon_s);
         horizon.is_none_or(|horizon| to_s <= horizon)

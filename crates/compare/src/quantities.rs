@@ -25,7 +25,6 @@ pub struct Quantity {
 
 impl Quantity {
     #[doc(hidden)]
-    #[must_use]
     pub fn new(name: &str) -> Self {
         let (stem, unit) = stem_and_unit(name);
         let words = stem
@@ -56,26 +55,22 @@ impl Quantity {
     }
 
     /// True for a force or a torque, the quantities of the matrices.
-    #[must_use]
     pub fn is_load(&self) -> bool {
         self.is_force() || self.is_torque()
     }
 
     /// True for a quantity in newtons.
-    #[must_use]
     pub fn is_force(&self) -> bool {
         self.unit == "N"
     }
 
     /// True for a quantity in newton metres.
-    #[must_use]
     pub fn is_torque(&self) -> bool {
         self.unit == "N m"
     }
 }
 
 /// Returns the label of the quantity `name` for readers, and its unit; empty if unknown.
-#[must_use]
 pub fn label_and_unit(name: &str) -> (String, String) {
     let Quantity { label, unit, .. } = Quantity::new(name);
     (label, unit)
@@ -83,7 +78,6 @@ pub fn label_and_unit(name: &str) -> (String, String) {
 
 /// Returns the quantities of all time series in the order of their first appearance; numbered channels of one name form one
 /// quantity, ordered by number.
-#[must_use]
 pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<Quantity> {
     type Members = Vec<(Option<usize>, String)>;
     let mut found: Vec<(Quantity, Members)> = Vec::new();

@@ -26,7 +26,6 @@ pub struct SpragueGeers {
 ///
 /// Two all-zero time series agree: all errors are 0. `None` if only one is zero, if the shapes differ, or if a value is not
 /// finite.
-#[must_use]
 pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers> {
     if !course.same_shape(base) {
         return None;
@@ -60,7 +59,6 @@ pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers>
 }
 
 /// Returns C without direction: M is that of the larger signal relative to the smaller.
-#[must_use]
 pub fn comprehensive(a: &View<'_>, b: &View<'_>) -> Option<f64> {
     Some(
         sprague_geers(a, b)?

@@ -110,7 +110,6 @@ pub(crate) fn uncertainty(
 }
 
 /// Returns the uncertainties of a participant's quantities in each window.
-#[must_use]
 pub fn uncertainties(
     context: &Context,
     participant: &Participant,

@@ -22,7 +22,6 @@ pub enum Uncertainty {
 
 impl Uncertainty {
     /// Returns the estimate; `None` if unknown.
-    #[must_use]
     pub fn estimate(&self) -> Option<&Estimate> {
         match self {
             Self::Known(estimate) => Some(estimate),
@@ -31,7 +30,6 @@ impl Uncertainty {
     }
 
     /// Returns the uncertainty in the unit of the quantity; `None` if unknown.
-    #[must_use]
     pub fn u(&self) -> Option<f64> {
         self.estimate().map(|e| e.u)
     }
@@ -82,7 +80,6 @@ pub struct QuantityUncertainty {
 
 impl QuantityUncertainty {
     /// Returns the uncertainty in one norm.
-    #[must_use]
     pub fn of(&self, norm: Norm) -> &Uncertainty {
         match norm {
             Norm::L2 => &self.l2,
@@ -94,7 +91,6 @@ impl QuantityUncertainty {
     }
 
     /// Converts the uncertainty to the form stored with a recording of the window.
-    #[must_use]
     pub fn to_record(&self, window: &Window) -> RecordedUncertainty {
         RecordedUncertainty {
             quantity: self.quantity.clone(),
@@ -203,7 +199,6 @@ pub enum Source {
 
 impl Evidence {
     /// Returns evidence from coarser runs.
-    #[must_use]
     pub fn refinement(engine: impl Into<String>, ladder: Ladder) -> Self {
         Self::of(engine, Source::Refinement(ladder))
     }
@@ -252,7 +247,6 @@ const WALK: f64 = 64.0;
 
 /// Returns the rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as
 /// a random walk.
-#[must_use]
 pub fn rounding_floor(steps: u64) -> f64 {
     WALK * f64::EPSILON * (steps.max(1) as f64).sqrt()
 }

@@ -36,7 +36,6 @@ pub struct DataUncertainty {
 
 impl Budget {
     /// Returns the budget with u_num from a bound: a grid convergence index covers about 95 % (k = 2).
-    #[must_use]
     pub fn new(numerical_bound: f64, input: f64, data: f64) -> Self {
         Self {
             numerical: numerical_bound / COVERAGE,
@@ -46,13 +45,11 @@ impl Budget {
     }
 
     /// Returns u_val.
-    #[must_use]
     pub fn validation(&self) -> f64 {
         self.numerical.hypot(self.input).hypot(self.data)
     }
 
     /// Returns the shares of numerical, input and data uncertainty in u_val^2; `None` where all are 0.
-    #[must_use]
     pub fn shares(&self) -> Option<[f64; 3]> {
         let whole = self.validation();
         let share = |part: f64| (part / whole).powi(2);
@@ -60,7 +57,6 @@ impl Budget {
     }
 
     /// Returns the bound below which an error cannot be distinguished from zero: k u_val.
-    #[must_use]
     pub fn bound(&self) -> f64 {
         COVERAGE * self.validation()
     }

@@ -27,7 +27,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// Returns the word for readers.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Agree => "agree",
@@ -54,7 +53,6 @@ pub enum Against {
 
 impl Against {
     /// Returns the words for readers.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::NumericalError => "numerical error",
@@ -117,7 +115,6 @@ fn is_zero(value: &f64) -> bool {
 
 impl Assessment {
     /// Returns the assessment of a difference without a bound, with the reason.
-    #[must_use]
     pub fn not_compared(reason: impl Into<String>) -> Self {
         Self {
             verdict: Verdict::NotCompared,
@@ -140,7 +137,6 @@ impl Assessment {
     }
 
     /// Compares a figure with a limit; a figure that is not finite exceeds every limit.
-    #[must_use]
     pub fn limit(metric: Metric, value: Option<f64>, limit: f64, reason: &str) -> Self {
         let holds = value.is_some_and(|value| value <= limit);
         Self {
@@ -191,13 +187,11 @@ impl Assessment {
     }
 
     /// Returns U; `None` unless both uncertainties are known.
-    #[must_use]
     pub fn combined(&self) -> Option<f64> {
         Some(self.u_a? + self.u_b?)
     }
 
     /// Returns the interval of the difference of two models, or of a model's error: the difference +- its uncertainty.
-    #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {
         let half = match self.against {
             Against::ModelTolerance => self.combined()?,
@@ -210,7 +204,6 @@ impl Assessment {
 
     /// Returns difference over bound; for an inconclusive verdict the uncertainty is the difference, and an unknown one is
     /// infinite.
-    #[must_use]
     pub fn share(&self) -> f64 {
         if self.verdict == Verdict::Inconclusive {
             return self.combined().unwrap_or(f64::INFINITY);
@@ -225,7 +218,6 @@ impl Assessment {
     }
 
     /// Returns the rank of gravity, rising: not compared, agree, inconclusive without an action, inconclusive, differ.
-    #[must_use]
     pub fn rank(&self) -> u8 {
         match (self.verdict, self.actionable) {
             (Verdict::NotCompared, _) => 0,
@@ -237,7 +229,6 @@ impl Assessment {
     }
 
     /// Compares by [rank](Self::rank), then by the used share of the bound.
-    #[must_use]
     pub fn graver(&self, other: &Self) -> Ordering {
         let by_rank = self.rank().cmp(&other.rank());
         by_rank.then(self.share().total_cmp(&other.share()))
@@ -284,14 +275,12 @@ impl Counts {
     }
 
     /// Returns the number of quantities that were compared.
-    #[must_use]
     pub fn compared(&self) -> usize {
         self.agree + self.differ + self.inconclusive
     }
 
     /// Returns the exit status of these verdicts: 1 with a difference, 4 if a setting would resolve an inconclusive verdict,
     /// else 0.
-    #[must_use]
     pub fn exit_status(&self) -> u8 {
         if self.differ_actionable > 0 {
             1
@@ -314,7 +303,6 @@ pub struct Side<'a> {
 
 impl<'a> Side<'a> {
     /// Returns a side with a known relative uncertainty.
-    #[must_use]
     pub fn known(name: &'a str, estimate: Estimate) -> Self {
         Self {
             name,
@@ -323,7 +311,6 @@ impl<'a> Side<'a> {
     }
 
     /// Returns the relative uncertainty, if it is known.
-    #[must_use]
     pub fn u(&self) -> Option<f64> {
         self.uncertainty.as_ref().ok().map(|e| e.u)
     }
@@ -369,7 +356,6 @@ pub const UNCONFIRMED: f64 = 2.0;
 /// D <= U: they agree. D > U: they differ; where an uncertainty has no confirmed order, 2 U replaces U for distances above U.
 /// Where U exceeds `resolution`, agreement proves nothing, and a difference needs confirmed orders of both uncertainties:
 /// otherwise the verdict is inconclusive.
-#[must_use]
 pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let found = between(metric, distance, Against::NumericalError, sides);
     let sum = match combined(sides) {
@@ -429,7 +415,6 @@ pub struct Allowed {
 /// Compares two participants with intentionally different models at the distance D, signed where it has a sign. They agree if
 /// the difference less the predicted one is within U plus the tolerance; without a tolerance the interval D - U to D + U is the
 /// result.
-#[must_use]
 pub fn model(
     metric: Metric,
     distance: f64,
@@ -466,7 +451,6 @@ pub fn model(
 }
 
 /// Compares a simulation with measured data at the error E = S - D. A model error is a result that requires no action.
-#[must_use]
 pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
     let bound = budget.bound();
     let found = Assessment {

@@ -30,7 +30,6 @@ pub enum WindowKind {
 
 impl WindowKind {
     /// Returns the word in files and tables.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Steady => "steady",
@@ -62,7 +61,6 @@ fn is_none(changes: &usize) -> bool {
 
 impl Window {
     /// Returns a sentence about the window that readers need beside its times; `None` if there is none.
-    #[must_use]
     pub fn remark(&self) -> Option<String> {
         let word = self.kind.word();
         match self.load_changes {
@@ -88,7 +86,6 @@ pub struct AbsentWindow {
 /// `settling_s`: decay time of the start-up transient. `load_changes_s`: start and end times of load changes, increasing. The
 /// transient of the last change within the run also decays in `settling_s` (in [`SETTLING_S`] if that is 0, a start in
 /// equilibrium); a steady window is at least a fifth of that long.
-#[must_use]
 pub fn windows(
     time_series: &TimeSeries,
     settling_s: f64,
@@ -162,7 +159,6 @@ pub fn windows(
 
 /// Returns a time without the digits of rounding.
 #[doc(hidden)]
-#[must_use]
 pub fn rounded(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
 }

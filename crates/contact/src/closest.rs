@@ -43,7 +43,6 @@ impl Epitrochoid {
     /// values for a pin whose radius is not the offset of the edge.
     ///
     /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affect the result only by rounding.
-    #[must_use]
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
         let found = match self.has_offset() {
@@ -150,7 +149,6 @@ impl Epitrochoid {
 
     /// Returns the foot of `p`, with its derivatives, from the foot `unit` of its value: one Newton step, exact to first order,
     /// for a curve without an offset.
-    #[must_use]
     pub fn foot_beside<S: Scalar>(&self, unit: Complex, p: Complex<S>) -> Foot<S> {
         let at = self.at_unit(unit, unit.powu(self.sleeves));
         let r = p - at.position.like(p.re);
@@ -172,7 +170,6 @@ impl Epitrochoid {
     ///
     /// Samples the part of the curve that can be closer than the best known point, brackets every local minimum of the
     /// distance, and refines each by bisection-safeguarded Newton.
-    #[must_use]
     pub fn closest(&self, p: Complex) -> Foot {
         let per_lobe = f64::from(self.samples(40));
         let tau = std::f64::consts::TAU;

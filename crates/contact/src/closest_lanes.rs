@@ -133,7 +133,6 @@ impl<S: Simd> Pose<S> {
 impl Epitrochoid {
     /// Returns the feet of the points `p` inside the curve, searched from e^{ia} = `unit` and e^{i zk a} = `multiple` (common
     /// to all lanes). Lanes that are not `present` are never inside.
-    #[must_use]
     #[inline(always)]
     pub fn penetrating_feet<S: Simd>(
         &self,
@@ -163,7 +162,6 @@ impl Epitrochoid {
     /// Returns the feet of the points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i
     /// zs a0}. Only lanes that are `present` are searched; lanes that are certainly outside by [`repulsion`](Self::repulsion)
     /// may be omitted or not.
-    #[must_use]
     #[inline(always)]
     pub fn local_feet<S: Simd>(
         &self,

@@ -27,7 +27,6 @@ pub struct Complex<R = f64> {
 
 impl<R> Complex<R> {
     /// x + i y.
-    #[must_use]
     #[inline(always)]
     pub const fn new(re: R, im: R) -> Self {
         Self { re, im }
@@ -36,7 +35,6 @@ impl<R> Complex<R> {
 
 impl<R: Copy> Complex<R> {
     /// Converts to `[x, y]`.
-    #[must_use]
     #[inline]
     pub const fn to_array(self) -> [R; 2] {
         [self.re, self.im]
@@ -45,49 +43,42 @@ impl<R: Copy> Complex<R> {
 
 impl<R: Real> Complex<R> {
     /// Conjugate x - i y: the inverse of a rotation.
-    #[must_use]
     #[inline(always)]
     pub fn conj(self) -> Self {
         Self::new(self.re, -self.im)
     }
 
     /// Rotation by +90 degrees.
-    #[must_use]
     #[inline(always)]
     pub fn turned(self) -> Self {
         Self::new(-self.im, self.re)
     }
 
     /// Scalar product of two vectors.
-    #[must_use]
     #[inline(always)]
     pub fn dot(self, other: Self) -> R {
         self.re.mul_add(other.re, self.im * other.im)
     }
 
     /// z component of the vector product: the moment of the force `other` at the arm `self`.
-    #[must_use]
     #[inline(always)]
     pub fn cross(self, other: Self) -> R {
         self.re * other.im - self.im * other.re
     }
 
     /// Product with the conjugate of `other`.
-    #[must_use]
     #[inline(always)]
     pub fn times_conj(self, other: Self) -> Self {
         Self::new(self.dot(other), other.cross(self))
     }
 
     /// Product with a real factor.
-    #[must_use]
     #[inline(always)]
     pub fn scale(self, factor: R) -> Self {
         Self::new(self.re * factor, self.im * factor)
     }
 
     /// Returns self * factor + term.
-    #[must_use]
     #[inline(always)]
     pub fn scale_add(self, factor: R, term: Self) -> Self {
         Self::new(
@@ -97,7 +88,6 @@ impl<R: Real> Complex<R> {
     }
 
     /// Power by squaring; for a unit number the rotation by `exponent` times its angle.
-    #[must_use]
     #[inline(always)]
     pub fn powu(self, mut exponent: u32) -> Self {
         let mut base = self;
@@ -117,7 +107,6 @@ impl<R: Real> Complex<R> {
 
 impl<R: Scalar> Complex<R> {
     /// Unit number e^{i angle}.
-    #[must_use]
     #[inline]
     pub fn unit(angle: R) -> Self {
         let (im, re) = angle.sin_cos();
@@ -125,14 +114,12 @@ impl<R: Scalar> Complex<R> {
     }
 
     /// Squared length.
-    #[must_use]
     #[inline]
     pub fn norm2(self) -> R {
         self.dot(self)
     }
 
     /// Length.
-    #[must_use]
     #[inline]
     pub fn norm(self) -> R {
         self.norm2().sqrt()
@@ -144,14 +131,12 @@ impl Complex {
     pub const ONE: Self = Self { re: 1.0, im: 0.0 };
 
     /// Converts a constant vector to numbers of the kind of `number`, with zero derivatives.
-    #[must_use]
     #[inline(always)]
     pub fn like<R: Real>(self, number: R) -> Complex<R> {
         Complex::new(number.like(self.re), number.like(self.im))
     }
 
     /// Returns e^{i angle}; below 2^-6 rad by a series that is exact to rounding.
-    #[must_use]
     #[inline]
     pub fn unit_near_zero(angle: f64) -> Self {
         if angle.abs() > 0.015_625 {
@@ -165,7 +150,6 @@ impl Complex {
     }
 
     /// Argument in (-pi, pi].
-    #[must_use]
     #[inline]
     pub fn arg(self) -> f64 {
         self.im.atan2(self.re)

@@ -28,7 +28,6 @@ pub struct Dual<const N: usize> {
 
 impl<const N: usize> Dual<N> {
     /// Returns a number that depends on no variable.
-    #[must_use]
     #[inline(always)]
     pub fn constant(value: f64) -> Self {
         Self {
@@ -38,7 +37,6 @@ impl<const N: usize> Dual<N> {
     }
 
     /// Returns the variables at these values.
-    #[must_use]
     #[inline(always)]
     pub fn variables(values: [f64; N]) -> [Self; N] {
         std::array::from_fn(|k| {
@@ -49,7 +47,6 @@ impl<const N: usize> Dual<N> {
     }
 
     /// Chain rule: returns this function with its variables replaced by the functions `own` of other variables.
-    #[must_use]
     #[inline(always)]
     pub fn through<const M: usize>(&self, own: &[Dual<M>; N]) -> Dual<M> {
         let by = |m: usize| {

@@ -46,7 +46,6 @@ pub struct Foot<R = f64> {
 
 impl Foot {
     /// Returns the parameter a in (-pi, pi].
-    #[must_use]
     pub fn parameter(&self) -> f64 {
         self.unit.arg()
     }
@@ -90,14 +89,12 @@ pub struct Epitrochoid {
 impl Epitrochoid {
     /// Creates the curve of eccentricity `e` (m), `sleeves` = zk ring pins, 3 or more, and shortening m (0 < m < 1); `None` if
     /// a value is out of range or not finite.
-    #[must_use]
     pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
         Self::with_offset(eccentricity, sleeves, shortening, None)
     }
 
     /// Creates the curve with an offset along its inward normal; `None` also if the offset folds the curve, or makes it leave a
     /// ray from the centre twice.
-    #[must_use]
     pub fn with_offset(
         eccentricity: f64,
         sleeves: u32,
@@ -112,19 +109,8 @@ impl Epitrochoid {
         if !valid {
             return None;
         }
-        let pitch_radius = eccentricity * f64::from(sleeves) / shortening;
-        let mut curve = Self {
-            pitch_radius,
-            eccentricity,
-            sleeves,
-            shortening,
-            reach_outside: 0.0,
-            reach_inside: 0.0,
-            steepest: 0.0,
-            settling: 1.0,
-            search: Search::default(),
-            own: None,
-        };
+        let mut curve = Self::unsearched(eccentricity, sleeves, shortening);
+        let pitch_radius = curve.pitch_radius;
         if let Some(offset) = offset {
             curve.own = Some((offset.clone(), offset.largest(), [0.0; 2]));
             let bends = curve.bends(&offset)?;
@@ -138,8 +124,23 @@ impl Epitrochoid {
         Some(curve)
     }
 
+    /// Creates the curve for its points alone, from any numbers, without what [`closest`](Self::closest) needs.
+    pub fn unsearched(eccentricity: f64, sleeves: u32, shortening: f64) -> Self {
+        Self {
+            pitch_radius: eccentricity * f64::from(sleeves) / shortening,
+            eccentricity,
+            sleeves,
+            shortening,
+            reach_outside: 0.0,
+            reach_inside: 0.0,
+            steepest: 0.0,
+            settling: 1.0,
+            search: Search::default(),
+            own: None,
+        }
+    }
+
     /// True if [`new`](Self::new) makes an equal curve of these parameters.
-    #[must_use]
     pub fn is_of(
         &self,
         eccentricity: f64,
@@ -152,7 +153,6 @@ impl Epitrochoid {
     }
 
     /// True if the curve has an offset along its normal.
-    #[must_use]
     pub fn has_offset(&self) -> bool {
         self.own.is_some()
     }
@@ -194,26 +194,22 @@ impl Epitrochoid {
     }
 
     /// Returns R, m.
-    #[must_use]
     pub fn pitch_radius(&self) -> f64 {
         self.pitch_radius
     }
 
     /// Returns H: a point P is certainly outside where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and `T = e^{ia} + m
     /// e^{i zk a}`.
-    #[must_use]
     pub fn repulsion(&self) -> f64 {
         self.search.repulsion
     }
 
     /// Returns the number of lobes zs = zk - 1.
-    #[must_use]
     pub fn lobes(&self) -> u32 {
         self.sleeves - 1
     }
 
     /// Returns the curve at parameter `a`, rad.
-    #[must_use]
     pub fn at(&self, a: f64) -> CurvePoint {
         let unit = Complex::unit(a);
         self.place(unit, unit.powu(self.sleeves))
@@ -255,7 +251,6 @@ impl Epitrochoid {
     }
 
     /// Returns the curve without its offset at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
-    #[must_use]
     #[inline]
     pub fn at_unit<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> CurvePoint<R> {
         let cos_lobe = unit.dot(multiple); // cos(zs a)
@@ -280,14 +275,12 @@ impl Epitrochoid {
     }
 
     /// Returns kappa as a function of c = cos(zs a), 1/m.
-    #[must_use]
     pub fn curvature(&self, cos_lobe: f64) -> f64 {
         let m = self.shortening;
         self.bend(cos_lobe) / (self.pitch_radius * (1.0 + m * m + 2.0 * m * cos_lobe).powf(1.5))
     }
 
     /// Returns d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
-    #[must_use]
     pub fn curvature_slope<S: Scalar>(&self, unit: Complex<S>, multiple: Complex<S>) -> S {
         /// Step of the finite differences for a curve with an offset, rad of a lobe's phase.
         const STEP: f64 = 1e-4;
@@ -316,7 +309,6 @@ impl Epitrochoid {
     /// Between the ends c = +-1 the extremum has d kappa/dc = 0, that is
     /// `(1 + zk)(1 + m^2 + 2 m c) = 3 (1 + m^2 zk + m (1 + zk) c)`, linear in c. It lies above -1 by
     /// `(1 - m)(zk - 2 + (2 zk - 1) m)/(m (1 + zk))`, and kappa is larger at 1 than at -1 as `zk (1 + m^2) > 2`.
-    #[must_use]
     pub fn largest_curvature(&self) -> f64 {
         if let Some((_, _, [_, largest])) = self.own {
             return largest;

@@ -20,7 +20,6 @@ pub struct RegularisedCoulomb {
 
 impl RegularisedCoulomb {
     /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
-    #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
         let c = |x: f64| normal.like(x);
@@ -44,7 +43,6 @@ pub struct AdamsFriction {
 
 impl AdamsFriction {
     /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
-    #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
         let (mu_s, mu_d) = (self.static_coefficient, self.dynamic_coefficient);
@@ -77,7 +75,6 @@ pub enum Friction {
 
 impl Friction {
     /// Returns the tangential force, N, positive in the positive direction of `sliding` (m/s).
-    #[must_use]
     #[inline]
     pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
         match self {

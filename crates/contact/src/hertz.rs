@@ -22,7 +22,6 @@ pub struct Material {
 
 impl Material {
     /// Returns the compliance h = (1 - nu^2)/(pi E), 1/Pa.
-    #[must_use]
     pub fn compliance(&self) -> f64 {
         (1.0 - self.poisson * self.poisson) / (std::f64::consts::PI * self.young)
     }
@@ -52,7 +51,6 @@ pub struct HertzStiffness {
 
 impl HertzStiffness {
     /// Creates the stiffness from the materials of pin and disc and the multiplier H.
-    #[must_use]
     pub fn new(sleeve: Material, wheel: Material, multiplier: f64) -> Self {
         let multiplier = multiplier * factor(Fault::Stiffness, 1.01);
         let h = sleeve.compliance() + wheel.compliance();
@@ -80,7 +78,6 @@ impl HertzStiffness {
     }
 
     /// True if K changes with the curvature.
-    #[must_use]
     pub fn is_curved(&self) -> bool {
         self.stages.is_none()
     }
@@ -95,13 +92,11 @@ impl HertzStiffness {
     }
 
     /// Returns K/sqrt(R), N/m^2.
-    #[must_use]
     pub fn coefficient(&self) -> f64 {
         self.coefficient
     }
 
     /// Returns K, N/m^1.5, of a pin of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
-    #[must_use]
     #[inline]
     pub fn of<R: Real>(&self, sleeve: f64, radius: R) -> R {
         let c = |x: f64| radius.like(x);
@@ -114,14 +109,12 @@ impl HertzStiffness {
     }
 
     /// Returns K of a pin on a flat, N/m^1.5.
-    #[must_use]
     pub fn on_flat(&self, sleeve: f64) -> f64 {
         self.of(sleeve, sleeve)
     }
 
     /// Returns K of a pin of radius `sleeve` on the inward offset by `offset` of a curve with curvature `kappa`: with R_c =
     /// 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
-    #[must_use]
     #[inline]
     pub fn of_edge<R: Real>(&self, sleeve: f64, offset: f64, kappa: R) -> R {
         let c = |x: f64| kappa.like(x);
@@ -131,7 +124,6 @@ impl HertzStiffness {
     }
 
     /// Returns K of a pin of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
-    #[must_use]
     pub fn of_hole(&self, sleeve: f64, hole: f64) -> f64 {
         match self.stages {
             Some([_, internal]) => internal,

@@ -25,7 +25,6 @@ pub struct Hole {
 impl Hole {
     /// Returns the penetration (m, > 0) of a pin of radius `sleeve` centred at `p`, and the unit vector from the pin centre to
     /// the hole's closest point. `None` without contact.
-    #[must_use]
     #[inline]
     pub fn penetration<S: Scalar>(&self, p: Complex<S>, sleeve: f64) -> Option<(S, Complex<S>)> {
         let c = |x: f64| p.re.like(x);

@@ -76,7 +76,6 @@ impl<S: Simd> Lanes<S> {
     pub const COUNT: usize = 2 * S::F64_LANES;
 
     /// Sets all lanes to one value.
-    #[must_use]
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
         Self {
@@ -86,14 +85,12 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Returns the instruction set.
-    #[must_use]
     #[inline(always)]
     pub fn simd(self) -> S {
         self.simd
     }
 
     /// Loads the first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
-    #[must_use]
     #[inline(always)]
     pub fn load(simd: S, values: &[f64]) -> Self {
         if let ([a, b, ..], _) = S::as_simd_f64s(values) {
@@ -107,7 +104,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Sets each register to one of two values.
-    #[must_use]
     #[inline(always)]
     pub fn splat_pair(simd: S, [a, b]: [f64; 2]) -> Self {
         Self {
@@ -117,7 +113,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Loads one register from the front of each of two slices; lanes beyond their ends are 0.
-    #[must_use]
     #[inline(always)]
     pub fn load_pair(simd: S, [a, b]: [&[f64]; 2]) -> Self {
         Self {
@@ -135,7 +130,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Loads one register from the front of a slice and sets the other to 0; operations on the first alone cost nothing extra.
-    #[must_use]
     #[inline(always)]
     pub fn load_first(simd: S, values: &[f64]) -> Self {
         Self {
@@ -161,7 +155,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Sum of each register, in a fixed order.
-    #[must_use]
     #[inline(always)]
     pub fn sums(self) -> [f64; 2] {
         [
@@ -179,7 +172,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Returns the lanes as numbers.
-    #[must_use]
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         pulp::bytemuck::cast_slice(&self.v)
@@ -193,7 +185,6 @@ impl<S: Simd> Lanes<S> {
 
     /// Inverse square roots of positive numbers, to 2 units of the last place: half of the exponent by integers, then Newton's
     /// steps of third order. Dividers and roots take several times as long as these products.
-    #[must_use]
     #[inline(always)]
     pub fn inverse_sqrt(self) -> Self {
         const GUESS: u32 = 0x5fe6_eb50;
@@ -214,7 +205,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Inverses.
-    #[must_use]
     #[inline(always)]
     pub fn recip(self) -> Self {
         let one = self.simd.splat_f64s(1.0);
@@ -222,7 +212,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Absolute values.
-    #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
         // pulp's own abs is not always inlined.
@@ -231,7 +220,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Mask of `self < other`; false for NaN.
-    #[must_use]
     #[inline(always)]
     pub fn less(self, other: Self) -> Mask<S> {
         both!(
@@ -243,7 +231,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Returns `self` where the mask is set and 0 elsewhere, also for NaN.
-    #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
         let zero = self.like(0.0);
@@ -251,7 +238,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Returns `self` where the mask is set, `other` elsewhere.
-    #[must_use]
     #[inline(always)]
     pub fn or_where(self, mask: Mask<S>, other: Self) -> Self {
         // pulp's own selection of numbers is not always inlined, that of integers is.
@@ -262,7 +248,6 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Sum of all lanes, in a fixed order.
-    #[must_use]
     #[inline(always)]
     pub fn sum(self) -> f64 {
         self.simd
@@ -358,14 +343,12 @@ impl<S: Simd> Real for Lanes<S> {
 
 impl<S: Simd> Mask<S> {
     /// Returns lanes in which both masks are set.
-    #[must_use]
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         both!(Mask.m, self, k, self.simd.and_m64s(self.m[k], other.m[k]))
     }
 
     /// Returns lanes in which this mask is set and the other is not.
-    #[must_use]
     #[inline(always)]
     pub fn without(self, other: Self) -> Self {
         both!(Mask.m, self, k, {
@@ -375,21 +358,18 @@ impl<S: Simd> Mask<S> {
     }
 
     /// Returns lanes in which at least one mask is set.
-    #[must_use]
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {
         both!(Mask.m, self, k, self.simd.or_m64s(self.m[k], other.m[k]))
     }
 
     /// True if any lane is set.
-    #[must_use]
     #[inline(always)]
     pub fn any(self) -> bool {
         self.first_set() < Lanes::<S>::COUNT
     }
 
     /// Returns the index of the first set lane; [`Lanes::COUNT`] if none is.
-    #[must_use]
     #[inline(always)]
     pub fn first_set(self) -> usize {
         let (first, second) = (self.first_of(0), self.first_of(1));
@@ -412,14 +392,12 @@ impl<S: Simd> Mask<S> {
     }
 
     /// Returns one lane.
-    #[must_use]
     #[inline(always)]
     pub fn lane(self, k: usize) -> bool {
         Lanes::splat(self.simd, 1.0).only(self).as_slice()[k] != 0.0
     }
 
     /// Sets the first `count` lanes.
-    #[must_use]
     #[inline(always)]
     pub fn first(simd: S, count: usize) -> Self {
         let mut numbers = Lanes::splat(simd, 1.0);
@@ -482,14 +460,12 @@ pub type ComplexLanes<S> = Complex<Lanes<S>>;
 
 impl<S: Simd> ComplexLanes<S> {
     /// Sets all lanes to one vector.
-    #[must_use]
     #[inline(always)]
     pub fn splat(simd: S, z: Complex) -> Self {
         Self::new(Lanes::splat(simd, z.re), Lanes::splat(simd, z.im))
     }
 
     /// Returns one lane.
-    #[must_use]
     #[inline(always)]
     pub fn lane(&self, k: usize) -> Complex {
         Complex::new(self.re.as_slice()[k], self.im.as_slice()[k])
@@ -503,7 +479,6 @@ impl<S: Simd> ComplexLanes<S> {
     }
 
     /// Sets each register to one of two vectors.
-    #[must_use]
     #[inline(always)]
     pub fn splat_pair(simd: S, [a, b]: [Complex; 2]) -> Self {
         Self::new(
@@ -513,7 +488,6 @@ impl<S: Simd> ComplexLanes<S> {
     }
 
     /// e^{i angle}, to 2e-16: both series on [-pi/2, pi/2], turned by pi for odd multiples of it.
-    #[must_use]
     #[inline(always)]
     pub fn units(angle: Lanes<S>) -> Self {
         // Largest multiple whose products with the first two parts of pi are exact: parts of 32 bits [Cody & Waite 1980].
@@ -557,7 +531,6 @@ impl<S: Simd> ComplexLanes<S> {
     }
 
     /// Returns `self` where the mask is set, 0 elsewhere.
-    #[must_use]
     #[inline(always)]
     pub fn only(self, mask: Mask<S>) -> Self {
         Self::new(self.re.only(mask), self.im.only(mask))

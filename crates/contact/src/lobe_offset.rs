@@ -23,7 +23,6 @@ pub struct LobeOffset {
 
 impl LobeOffset {
     /// Creates the series with amplitudes of cosines from order 0 on and of sines from order 1 on, m.
-    #[must_use]
     pub fn series(cos: &[f64], sin: &[f64]) -> Option<Self> {
         let orders = cos.len().max(sin.len() + 1);
         let amplitude = |list: &[f64], k: usize| list.get(k).copied().unwrap_or(0.0);
@@ -37,7 +36,6 @@ impl LobeOffset {
     }
 
     /// Creates the cubic spline through `values` (m) at equal steps of the phase from 0 on, 3 or more.
-    #[must_use]
     pub fn spline(values: &[f64]) -> Option<Self> {
         let n = values.len();
         if n < 3 {
@@ -64,7 +62,6 @@ impl LobeOffset {
     }
 
     /// Returns w, w' and w'' at a phase, m.
-    #[must_use]
     pub fn at(&self, phase: f64) -> [f64; 3] {
         if self.knots.is_empty() {
             let mut sum = [0.0; 3];
@@ -92,13 +89,11 @@ impl LobeOffset {
     }
 
     /// Returns the number of samples of a lobe that resolve every wave and every piece.
-    #[must_use]
     pub fn samples(&self) -> u32 {
         16 * self.series.len().max(self.knots.len()).max(6) as u32
     }
 
     /// Returns the largest |w| of these samples, m.
-    #[must_use]
     pub fn largest(&self) -> f64 {
         let n = self.samples();
         let all = (0..n).map(|k| self.at(TAU * f64::from(k) / f64::from(n))[0].abs());

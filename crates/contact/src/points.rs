@@ -18,7 +18,6 @@ pub struct Vertex {
 
 impl Vertex {
     /// Returns the contact stiffness K of a pin of radius `q` at the vertex, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
-    #[must_use]
     #[inline]
     pub fn stiffness(&self, q: f64, hertz: &HertzStiffness) -> f64 {
         hertz.of(q, 1.0 / (self.curvature + 1.0 / q))
@@ -37,7 +36,6 @@ impl ProfilePoints {
     ///
     /// `None` if a pit is so coarsely sampled that the circle through three points is smaller than the pin: Eq. 23
     /// then has no real value.
-    #[must_use]
     pub fn new(curve: &Epitrochoid, offset: f64, q: f64, count: usize) -> Option<Self> {
         let step = std::f64::consts::TAU / count as f64;
         let positions: Vec<Complex> = (0..count)
@@ -67,7 +65,6 @@ impl ProfilePoints {
     }
 
     /// Returns the vertex nearest to `p` for a foot of parameter `a` (rad), with its squared distance (m^2).
-    #[must_use]
     #[inline]
     pub fn nearest(&self, p: Complex, a: f64) -> (&Vertex, f64) {
         let n = self.vertices.len() as i64;
@@ -114,7 +111,6 @@ pub struct HolePoints {
 
 impl HolePoints {
     /// Creates `count` points on a circle.
-    #[must_use]
     pub fn new(count: usize) -> Self {
         let step = std::f64::consts::TAU / count as f64;
         Self {
@@ -124,7 +120,6 @@ impl HolePoints {
     }
 
     /// Returns the direction (unit vector from the hole's centre) of the point nearest to the direction of `offset`.
-    #[must_use]
     #[inline]
     pub fn nearest(&self, offset: Complex) -> Complex {
         let n = self.directions.len() as i64;

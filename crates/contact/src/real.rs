@@ -13,46 +13,36 @@ pub trait Real:
     + Neg<Output = Self>
 {
     /// Constant `x`, in all lanes.
-    #[must_use]
     fn like(self, x: f64) -> Self;
 
     /// Square root.
-    #[must_use]
     fn sqrt(self) -> Self;
 
     /// Power.
-    #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
     /// Natural logarithm of a positive, normal number.
-    #[must_use]
     fn ln(self) -> Self;
 
     /// Larger of two.
-    #[must_use]
     fn max(self, other: Self) -> Self;
 
     /// Smaller of two.
-    #[must_use]
     fn min(self, other: Self) -> Self;
 
     /// Returns self * factor + term, fused in lanes where that is one instruction; a double is rounded twice.
-    #[must_use]
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
     /// Selects `yes` where self < limit, `no` elsewhere.
-    #[must_use]
     fn below(self, limit: Self, yes: Self, no: Self) -> Self;
 }
 
 /// Single number, whose value may select a branch of a formula.
 pub trait Scalar: Real {
     /// Value, without its derivatives.
-    #[must_use]
     fn value(self) -> f64;
 
     /// Sine and cosine.
-    #[must_use]
     fn sin_cos(self) -> (Self, Self);
 }
 

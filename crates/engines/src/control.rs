@@ -27,7 +27,6 @@ pub struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     /// Creates the progress at the start of a piece.
-    #[must_use]
     pub fn new(done: usize, total: usize, piece: &'a str) -> Self {
         Self {
             done,
@@ -49,7 +48,6 @@ impl<'a> Progress<'a> {
     }
 
     /// Returns piece, number and, with simulated time, the remaining time; short, because terminals cut long lines.
-    #[must_use]
     pub fn sentence(&self, elapsed_s: f64) -> String {
         let mut text = String::new();
         if self.total > 1 {
@@ -90,7 +88,6 @@ pub struct Control<'a> {
 
 impl<'a> Control<'a> {
     /// Creates a control that stops when `cancel` is set, and reports to `progress`.
-    #[must_use]
     pub fn new(cancel: &'a AtomicBool, progress: &'a (dyn Fn(Progress<'_>) + Sync)) -> Self {
         Self {
             cancel,
@@ -101,14 +98,12 @@ impl<'a> Control<'a> {
     }
 
     /// Returns a control that never stops and reports nothing.
-    #[must_use]
     pub fn quiet() -> Control<'static> {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Control::silent(&NEVER)
     }
 
     /// Creates a control that stops when `cancel` is set, and reports nothing.
-    #[must_use]
     pub fn silent(cancel: &'a AtomicBool) -> Self {
         Self::new(cancel, &|_| {})
     }
@@ -140,7 +135,6 @@ impl<'a> Control<'a> {
     }
 
     /// Reports the simulated time; returns true if the run must stop.
-    #[must_use]
     pub fn reached(&self, time_s: f64) -> bool {
         (self.progress)(self.at.reached(time_s, self.duration_s));
         self.is_cancelled()
@@ -157,7 +151,6 @@ impl<'a> Control<'a> {
     }
 
     /// True if the run must stop.
-    #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
     }

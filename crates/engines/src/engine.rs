@@ -31,7 +31,6 @@ pub struct Run {
 
 impl Run {
     /// Returns a finished run without a stated uncertainty.
-    #[must_use]
     pub fn new(time_series: TimeSeries, stats: RunStats) -> Self {
         Self {
             time_series,
@@ -43,7 +42,6 @@ impl Run {
     }
 
     /// Returns a run that ended without time series.
-    #[must_use]
     pub fn ended(ending: Ending) -> Self {
         Self {
             ending,

@@ -21,7 +21,6 @@ pub enum AccuracySetting {
 
 impl AccuracySetting {
     /// Returns the accuracy setting of a native integrator.
-    #[must_use]
     pub fn of(method: &str) -> Self {
         match integrators::method(method).is_some_and(|method| method.adaptive) {
             true => Self::Tolerance,
@@ -30,7 +29,6 @@ impl AccuracySetting {
     }
 
     /// Returns the value of the setting: a step, s, or a tolerance.
-    #[must_use]
     pub fn get(self, scene: &Scene) -> f64 {
         match self {
             Self::Step => scene.solver.step_s,
@@ -60,7 +58,6 @@ pub struct Refinement {
 
 impl Refinement {
     /// Returns a refinement by `solver.step_s`.
-    #[must_use]
     pub const fn step(order: f64) -> Self {
         Self {
             knob: AccuracySetting::Step,
@@ -69,7 +66,6 @@ impl Refinement {
     }
 
     /// Returns a refinement by `solver.tolerance`.
-    #[must_use]
     pub const fn tolerance(order: f64) -> Self {
         Self {
             knob: AccuracySetting::Tolerance,
@@ -137,7 +133,6 @@ pub struct EngineInfo<'a> {
 
 impl<'a> EngineInfo<'a> {
     /// Returns default facts of an engine.
-    #[must_use]
     pub const fn own(name: &'a str, track: SharedModel) -> Self {
         Self {
             name,
@@ -164,14 +159,12 @@ impl<'a> EngineInfo<'a> {
     }
 
     /// Returns the program of the engine: `exudyn` for `exudyn-own-contact`.
-    #[must_use]
     pub fn family(&self) -> &'a str {
         family(self.name)
     }
 }
 
 /// Returns the first word of an engine's name.
-#[must_use]
 pub fn family(name: &str) -> &str {
     name.split_once('-').map_or(name, |(family, _)| family)
 }

@@ -38,7 +38,6 @@ const ENDING: &str = ".run";
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Returns the folder of stored runs, by default in the user's cache folder; `None` if none are stored.
-#[must_use]
 pub fn folder() -> Option<PathBuf> {
     let named = |name: OsString| (!name.is_empty()).then(|| name.into());
     let own = || Some(cache()?.join("runs"));
@@ -115,7 +114,6 @@ impl Store {
     }
 
     /// Returns the engines, with stores for those whose runs are stored.
-    #[must_use]
     pub fn around(self: &Arc<Self>, engines: Vec<Box<dyn Engine>>) -> Vec<Box<dyn Engine>> {
         let around = |engine: Box<dyn Engine>| -> Box<dyn Engine> {
             let info = engine.info();
@@ -138,7 +136,6 @@ impl Store {
     }
 
     /// Returns a message for each unusable file.
-    #[must_use]
     pub fn said(&self) -> Vec<String> {
         let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
         said.clone()
@@ -152,14 +149,12 @@ impl Store {
     }
 
     /// Returns the number of new runs since the store was opened.
-    #[must_use]
     pub fn made(&self) -> usize {
         let files = self.files("").into_iter();
         files.filter(|(made, ..)| *made >= self.opened).count()
     }
 
     /// Returns the CPU time of the latest runs of an engine on a scene, s; `None` if there are none.
-    #[must_use]
     pub fn cost_s(&self, engine: &str, scene: &Scene) -> Option<f64> {
         let stem = stem(engine, scene);
         let mut of_setting = BTreeMap::new();

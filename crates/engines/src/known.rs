@@ -16,7 +16,6 @@ pub fn known() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 }
 
 /// Returns the facts of an engine by name; `None` for users' engines.
-#[must_use]
 pub fn info(name: &str) -> Option<&'static EngineInfo<'static>> {
     known().find(|info| info.name == name)
 }

@@ -35,7 +35,6 @@ impl Native {
     }
 
     /// Returns the solver for a scene's formulation.
-    #[must_use]
     pub fn of(scene: &Scene) -> Self {
         match scene.solver.formulation {
             Formulation::Reduced => Self::REDUCED,
@@ -57,7 +56,6 @@ impl Native {
     }
 
     /// Returns the target of the resolved form: relative L2 of the forces and of the driver's torque.
-    #[must_use]
     pub fn resolved_target(scene: &Scene) -> f64 {
         if !scene.slides() && scene.contact.detection == Detection::Exact {
             RESOLVED

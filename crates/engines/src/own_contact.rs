@@ -29,7 +29,6 @@ const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {
     /// Returns the relative tolerance of the largest forces against the twin's.
-    #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
             Self::SceneLaw => 0.0,
@@ -62,7 +61,6 @@ impl OwnContact {
 
     /// Returns the scene for an engine of this kind: engines of balls support no other laws, so they get balls as stiff as the
     /// scene's contacts under its largest load.
-    #[must_use]
     pub fn given(self, scene: Scene) -> Scene {
         match self {
             Self::Balls => balls(scene),

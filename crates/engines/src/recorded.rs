@@ -79,7 +79,6 @@ pub enum RecordingError {
 
 impl Recording {
     /// Makes a recording of a run with [`thinned`] time series, which are rounded on writing.
-    #[must_use]
     pub fn new(
         engine: &dyn Engine,
         scene: &Scene,
@@ -197,7 +196,6 @@ pub(crate) fn bare(scene: &Scene) -> Scene {
 }
 
 /// Selects the recorded samples, [`SAMPLE_S`] apart.
-#[must_use]
 pub fn thinned(time_series: &TimeSeries, scene: &Scene) -> TimeSeries {
     let every = (SAMPLE_S / scene.solver.sample_s).round().max(1.0) as usize;
     let rows: Vec<usize> = (0..time_series.len()).step_by(every).collect();
@@ -245,7 +243,6 @@ pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// Returns the recording of an engine and a scene, by their names.
 ///
 /// The inner error is that of a damaged recording.
-#[must_use]
 pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingError>> {
     let text = |ending: &str| {
         let name = format!("{scene}/{engine}.{ending}");
@@ -256,7 +253,6 @@ pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingErro
 }
 
 /// Returns a recording of `engine` that replaces a run of `scene`; `why` is the reason for readers.
-#[must_use]
 pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
     let info = info(engine)?;
     let recording = list()
@@ -271,7 +267,6 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 }
 
 /// Returns the recordings for a scene of all engines that this build lacks.
-#[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
     lacking()
         .filter_map(|info| in_place_of_lacking(info.name, scene))
@@ -279,14 +274,12 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
 }
 
 /// A recording of an engine that this build lacks.
-#[must_use]
 pub fn in_place_of_lacking(engine: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     let remedy = remedy(info(engine)?)?;
     instead(engine, scene, &format!("it is not here ({remedy})"))
 }
 
 /// True if an engine may be missing in a build or on a machine, so that recordings of it are of use.
-#[must_use]
 pub fn may_be_missing(engine: &str) -> bool {
     info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }

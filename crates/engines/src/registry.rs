@@ -31,7 +31,6 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 }
 
 /// Returns the command that adds an engine missing in this build; `None` for engines of every build.
-#[must_use]
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
     // Where a Python holds us, its packages are the engines; one command installs all that are not here.
@@ -48,7 +47,6 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
 }
 
 /// Returns what an engine of this build still needs on this machine, with the command that installs it; `None` if it runs now.
-#[must_use]
 pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
     match info.family() {
         #[cfg(feature = "crossval")]
@@ -62,7 +60,6 @@ pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
 }
 
 /// Returns what adds the engines that this build lacks, each with their families.
-#[must_use]
 pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
     let mut all = BTreeMap::<_, BTreeSet<_>>::new();
     for info in lacking() {
@@ -73,13 +70,11 @@ pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
 }
 
 /// Returns all engines of this build, native first, then added solvers ([`admit`](crate::external::admit)).
-#[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {
     known().filter_map(make).chain(admitted()).collect()
 }
 
 /// Returns an engine by name; `native` is the native solver in the scene's formulation.
-#[must_use]
 pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     if name == "native" {
         return Some(Box::new(Native::of(scene)));
@@ -89,7 +84,6 @@ pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
 }
 
 /// Returns the full name of an engine from its short one; an added solver of that name takes precedence.
-#[must_use]
 pub fn full_name(name: &str) -> &str {
     if admitted().any(|engine| engine.name() == name) {
         return name;

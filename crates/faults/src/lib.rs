@@ -44,7 +44,6 @@ impl Fault {
 
 /// True if `fault` acts in this thread.
 #[cfg(not(feature = "inject"))]
-#[must_use]
 #[inline(always)]
 pub const fn armed(_fault: Fault) -> bool {
     false
@@ -52,7 +51,6 @@ pub const fn armed(_fault: Fault) -> bool {
 
 /// `wrong` where `fault` acts, otherwise 1.
 #[cfg(not(feature = "inject"))]
-#[must_use]
 #[inline(always)]
 pub const fn factor(_fault: Fault, _wrong: f64) -> f64 {
     1.0
@@ -79,14 +77,12 @@ mod switch {
     }
 
     /// True if `fault` acts in this thread.
-    #[must_use]
     #[inline]
     pub fn armed(fault: Fault) -> bool {
         ACTING.get() == Some(fault)
     }
 
     /// `wrong` where `fault` acts, otherwise 1.
-    #[must_use]
     #[inline]
     pub fn factor(fault: Fault, wrong: f64) -> f64 {
         if armed(fault) { wrong } else { 1.0 }
@@ -100,7 +96,6 @@ mod switch {
     }
 
     /// Gearboxes compiled by this process so far.
-    #[must_use]
     pub fn compilations() -> u64 {
         COMPILED.load(Ordering::Relaxed)
     }
@@ -111,7 +106,6 @@ mod switch {
 
     impl Armed {
         /// Lets `fault` act; the one before no longer does.
-        #[must_use]
         pub fn with(fault: Fault) -> Self {
             ACTING.set(Some(fault));
             Self(PhantomData)

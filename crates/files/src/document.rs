@@ -155,7 +155,6 @@ impl<'t> Document<'t> {
     }
 
     /// Returns the item at a top-level key.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<&Item<'t>> {
         let found = self.root.iter().find(|(name, _)| name == key);
         found.map(|(_, item)| item)
@@ -193,7 +192,6 @@ impl<'t> Document<'t> {
 
 impl<'t> Node<'t> {
     /// Returns the keys, if the value is a table.
-    #[must_use]
     pub fn as_table(&self) -> Option<&Entries<'t>> {
         match self {
             Self::Table(entries) => Some(entries),
@@ -202,7 +200,6 @@ impl<'t> Node<'t> {
     }
 
     /// Returns the tables, if the value is a list of tables.
-    #[must_use]
     pub fn as_tables(&self) -> Option<Vec<&Entries<'t>>> {
         match self {
             Self::List(list) => list.iter().map(|item| item.node.as_table()).collect(),
@@ -211,7 +208,6 @@ impl<'t> Node<'t> {
     }
 
     /// Returns the value without places.
-    #[must_use]
     pub fn value(&self) -> Value {
         match self {
             Self::Table(entries) => {
@@ -228,7 +224,6 @@ impl<'t> Node<'t> {
     }
 
     /// Describes the kind of the node, or its value.
-    #[must_use]
     pub fn words(&self) -> String {
         match self {
             Self::Table(_) => "a table".to_owned(),

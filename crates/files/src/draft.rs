@@ -54,7 +54,6 @@ fn made(beside: &Path, prefix: &str, mode: u32) -> io::Result<TempDir> {
 }
 
 /// Lists the drafts in `folder` whose process no longer exists on this machine.
-#[must_use]
 pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let left = entries.filter(|entry| {

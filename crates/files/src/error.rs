@@ -63,14 +63,12 @@ pub fn require(holds: bool, what: impl Into<String>, remedy: &str) -> Result<(),
 }
 
 /// Returns the text on one line, control characters made visible, cut if very long.
-#[must_use]
 pub fn one_line(text: &str) -> String {
     cut(text, 400)
 }
 
 /// Returns the first `longest` characters of the text on one line, control characters made visible; an ellipsis marks
 /// the cut.
-#[must_use]
 pub fn cut(text: &str, longest: usize) -> String {
     let mut line = String::new();
     for c in text.chars().take(longest) {
@@ -87,7 +85,6 @@ pub fn cut(text: &str, longest: usize) -> String {
 }
 
 /// Quotes a user's text in a message, shortened.
-#[must_use]
 pub fn quoted(text: &str) -> String {
     const LONGEST: usize = 40;
     match text.char_indices().nth(LONGEST) {

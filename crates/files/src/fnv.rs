@@ -24,14 +24,12 @@ impl Fnv {
     }
 
     /// Returns the hash of the added bytes.
-    #[must_use]
     pub fn value(self) -> u64 {
         self.0
     }
 }
 
 /// Returns the hash of some bytes.
-#[must_use]
 pub fn fnv(bytes: impl IntoIterator<Item = u8>) -> u64 {
     let mut hash = Fnv::default();
     hash.add(bytes);

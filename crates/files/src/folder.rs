@@ -114,19 +114,16 @@ impl Folder {
     }
 
     /// Returns the folder to write into.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.content
     }
 
     /// Returns the target as the user wrote it.
-    #[must_use]
     pub fn place(&self) -> &Path {
         &self.shown
     }
 
     /// Returns the draft, which remains after a kill.
-    #[must_use]
     pub fn draft(&self) -> &Path {
         self.draft.path()
     }
@@ -314,7 +311,6 @@ fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderEr
 }
 
 /// Returns `path` with `ending` added to its name.
-#[must_use]
 pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(ending);
@@ -348,7 +344,6 @@ pub fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
 }
 
 /// Lists the words that are files, and files named by TOML files among them: the base of a scene, the scene of a sweep.
-#[must_use]
 pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut open: Vec<PathBuf> = words.into_iter().collect();
@@ -372,7 +367,6 @@ pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
 }
 
 /// Returns a page, or the page in a folder.
-#[must_use]
 pub fn page_at(place: &Path) -> Option<PathBuf> {
     let page = if place.is_dir() {
         place.join(PAGE)
@@ -383,7 +377,6 @@ pub fn page_at(place: &Path) -> Option<PathBuf> {
 }
 
 /// Returns the newest page in a folder of `outs`.
-#[must_use]
 pub fn newest_page(outs: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(outs).into_iter().flatten().flatten();
     let pages = entries.map(|entry| entry.path().join(PAGE));

@@ -67,7 +67,6 @@ impl Manifest {
     }
 
     /// Reads the manifest of a folder; `None` if there is none of this program.
-    #[must_use]
     pub fn of(folder: &Path) -> Option<Self> {
         let mut text = Vec::new();
         let file = open_plain(&folder.join(MANIFEST), File::options().read(true)).ok()?;

@@ -28,7 +28,6 @@ impl OutputError {
 }
 
 /// Describes the reason of a write error, with one wording for a full disk from any library.
-#[must_use]
 pub fn reason(error: &dyn Display) -> String {
     let text = error.to_string();
     // Codes ENOSPC, EDQUOT and EFBIG, or their words if a library omits the number.
@@ -55,7 +54,6 @@ pub fn reason(error: &dyn Display) -> String {
 
 /// Converts a name to a path component that is safe everywhere: letters, digits, `-`, `_` and `.`, no leading dot, at most 80
 /// bytes.
-#[must_use]
 pub fn file_name(name: &str) -> String {
     const LONGEST: usize = 80;
     let safe = |c: char| c.is_alphanumeric() || "-_.".contains(c);
@@ -74,13 +72,11 @@ pub fn file_name(name: &str) -> String {
 }
 
 /// True if a character acts on the displaying program: control characters, and those that change the direction of text.
-#[must_use]
 pub fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Escapes text for elements and attributes of HTML and XML; control characters are written as `\u202e`.
-#[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

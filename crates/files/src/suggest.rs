@@ -4,7 +4,6 @@
 ///
 /// Near enough: at most a third of the longer name, or of a name's first word (`mujoco` of `mujoco-shared-law`), has to change
 /// (Damerau-Levenshtein distance, adjacent swaps counting once); or one contains the other.
-#[must_use]
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // The cost of the distance is the product of both lengths; no key is that long.
     const LONGEST: usize = 80;
@@ -33,7 +32,6 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
 }
 
 /// Returns `did you mean X?`, or the list of known names.
-#[must_use]
 pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {
         Some(name) => format!("did you mean `{name}`?"),
@@ -42,7 +40,6 @@ pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
 }
 
 /// True if `text` fits `pattern`, in which `*` stands for any characters.
-#[must_use]
 pub fn fits(pattern: &str, text: &str) -> bool {
     // A single fallback position, so that a pattern of many `*` takes no longer than others.
     let (pattern, text) = (pattern.as_bytes(), text.as_bytes());

@@ -88,7 +88,6 @@ pub struct Instance {
 
 impl Instance {
     /// Returns a new unit.
-    #[must_use]
     pub fn new(model: Arc<Model>) -> Self {
         let values: Vec<f64> = model.variables().iter().map(|v| v.start).collect();
         Self {
@@ -400,7 +399,6 @@ impl Instance {
     }
 
     /// Describes the method and the setting of its steps.
-    #[must_use]
     pub fn method(&self) -> String {
         let words = |gear: &CoSimulation| {
             let (name, tolerance) = gear.method();
@@ -413,7 +411,6 @@ impl Instance {
     }
 
     /// Returns a note if a given tolerance has no effect.
-    #[must_use]
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
         let fixed = self.gear.as_ref().is_some_and(|gear| !gear.adaptive());
@@ -426,7 +423,6 @@ impl Instance {
     }
 
     /// Returns the present time, s.
-    #[must_use]
     pub fn time_s(&self) -> f64 {
         self.prescribed.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
     }

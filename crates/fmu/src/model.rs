@@ -131,13 +131,11 @@ pub struct Variable {
 
 impl Variable {
     /// True if the variable is a Boolean.
-    #[must_use]
     pub fn is_boolean(&self) -> bool {
         matches!(self.what, What::Flag(_))
     }
 
     /// Returns least and largest value; infinite without a bound.
-    #[must_use]
     pub fn limits(&self) -> [f64; 2] {
         let key = match self.what {
             What::Key => key(&self.name),
@@ -153,7 +151,6 @@ impl Variable {
 
     /// Returns the typical size in the scene: the value itself for parameters and speeds, else a size by the load; `None` if
     /// unknown.
-    #[must_use]
     pub fn nominal(&self, gearbox: &Gearbox) -> Option<f64> {
         let (scene, scales) = (&*gearbox.scene, Scales::of(&gearbox.scene));
         let torque = scales.wheel_torque_n_m * scene.gear.wheels as f64;
@@ -178,7 +175,6 @@ impl Variable {
     }
 
     /// True for an output.
-    #[must_use]
     pub fn is_output(&self) -> bool {
         matches!(self.what, What::Shaft(_) | What::Column(_))
     }
@@ -227,31 +223,26 @@ impl Model {
     }
 
     /// Returns the compiled scene.
-    #[must_use]
     pub fn gearbox(&self) -> &Gearbox {
         &self.gearbox
     }
 
     /// Returns the scene.
-    #[must_use]
     pub fn scene(&self) -> &CheckedScene {
         &self.gearbox.scene
     }
 
     /// Returns the scene as text, as among the resources.
-    #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
     /// Returns every variable, by value reference.
-    #[must_use]
     pub fn variables(&self) -> &[Variable] {
         &self.variables
     }
 
     /// Returns the identifier of the unit: a hash of the scene, its variables and the version.
-    #[must_use]
     pub fn guid(&self) -> &str {
         &self.guid
     }

@@ -255,7 +255,6 @@ pub struct Package {
 
 impl Package {
     /// True for the bytes of a unit made by any version of this program.
-    #[must_use]
     pub fn is_ours(bytes: &[u8]) -> bool {
         let head = || -> ZipResult<String> {
             let mut archive = ZipArchive::new(Cursor::new(bytes))?;
@@ -310,25 +309,21 @@ impl Package {
     }
 
     /// Returns the identifier of the unit.
-    #[must_use]
     pub fn guid(&self) -> &str {
         self.model.guid()
     }
 
     /// Returns the initial method and tolerance in words.
-    #[must_use]
     pub fn method(&self) -> &str {
         &self.method
     }
 
     /// Returns the number of variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.model.variables().len()
     }
 
     /// Returns FMI's name of the library's platform.
-    #[must_use]
     pub fn platform(&self) -> &'static str {
         platform().unwrap_or_default()
     }

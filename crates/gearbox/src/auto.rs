@@ -66,19 +66,16 @@ pub struct Plan {
 
 impl Plan {
     /// True if the plan's steps follow from a tolerance.
-    #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.integrator).is_some_and(|method| method.adaptive)
     }
 
     /// Returns the family of the plan's method: the way in which it uses the equations.
-    #[must_use]
     pub fn family(&self) -> Option<Family> {
         method(self.integrator).map(|method| method.family)
     }
 
     /// Returns the value of the setting that determines the plan's steps: a tolerance, or a step, s.
-    #[must_use]
     pub fn value(&self) -> f64 {
         if self.adaptive() {
             self.tolerance
@@ -88,7 +85,6 @@ impl Plan {
     }
 
     /// Returns the setting that determines the plan's steps, in words.
-    #[must_use]
     pub fn setting(&self) -> String {
         if self.adaptive() {
             format!("a tolerance of {:.1e}", self.tolerance)
@@ -98,7 +94,6 @@ impl Plan {
     }
 
     /// Returns the plan with the setting `factor` times finer (below 1: coarser).
-    #[must_use]
     pub fn finer(&self, factor: f64) -> Self {
         let mut plan = self.clone();
         if plan.adaptive() {
@@ -154,7 +149,6 @@ impl Plan {
 }
 
 /// Returns the name of the integrator for a scene, with the reason.
-#[must_use]
 pub fn integrator(scene: &Scene) -> (String, String) {
     let named = &scene.solver.integrator;
     if named != AUTO {
@@ -166,13 +160,11 @@ pub fn integrator(scene: &Scene) -> (String, String) {
 
 /// Returns the plan of a run of a scene with an uncertainty of `target`; the scene's own step and tolerance apply to named
 /// methods only.
-#[must_use]
 pub fn plan(scene: &Scene, target: f64) -> Plan {
     Planner::new(scene, target).first()
 }
 
 /// Returns the plan and its fallbacks, the best first.
-#[must_use]
 pub fn chain(scene: &Scene, target: f64) -> Vec<Plan> {
     let planner = Planner::new(scene, target);
     let first = planner.first();

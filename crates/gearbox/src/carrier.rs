@@ -25,7 +25,6 @@ pub enum Carrier {
 
 impl Carrier {
     /// Returns the carrier of a scene.
-    #[must_use]
     pub fn of(scene: &Scene, geometry: &Geometry) -> Self {
         match (BearingLaw::of(scene), &scene.cranks) {
             (None, _) => Self::Rigid,
@@ -35,13 +34,11 @@ impl Carrier {
     }
 
     /// True if discs float on elastic bearings.
-    #[must_use]
     pub fn floats(&self) -> bool {
         !matches!(self, Self::Rigid)
     }
 
     /// Returns the cranks of an RV gear; `None` for other gears.
-    #[must_use]
     pub fn cranks(&self) -> Option<&CrankSet> {
         match self {
             Self::Cranks(cranks) => Some(cranks),
@@ -50,13 +47,11 @@ impl Carrier {
     }
 
     /// Returns the degrees of freedom of a disc on this carrier.
-    #[must_use]
     pub fn freedoms_of_disc(&self) -> usize {
         if self.floats() { 3 } else { 1 }
     }
 
     /// Returns the law of the bearings.
-    #[must_use]
     pub fn law(&self) -> Option<&BearingLaw> {
         match self {
             Self::Rigid => None,
@@ -160,7 +155,6 @@ impl Carrier {
 
     /// Returns the load of a disc's bearing. On cranks it is the total load of the disc's bearings, with their mean offset.
     /// `None` if a revolute carries the disc.
-    #[must_use]
     pub fn load(&self, bodies: &[BodyState], wheel: usize) -> Option<BearingLoad> {
         match self {
             Self::Rigid => None,
@@ -170,7 +164,6 @@ impl Carrier {
     }
 
     /// Returns the bearings of cranks that carry a force, as pairs.
-    #[must_use]
     pub fn pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
         self.cranks()
             .map_or_else(Vec::new, |cranks| cranks.pairs(bodies))

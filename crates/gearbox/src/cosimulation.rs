@@ -66,7 +66,6 @@ pub struct Setup {
 
 impl Setup {
     /// Returns the setup of a scene's drive.
-    #[must_use]
     pub fn of(drive: &Drive) -> Self {
         Self {
             input: Prescribed::BySpeed,
@@ -201,32 +200,27 @@ impl CoSimulation {
     }
 
     /// Returns the time reached, s.
-    #[must_use]
     pub fn time_s(&self) -> f64 {
         self.time
     }
 
     /// Returns the method and its relative error per step.
-    #[must_use]
     pub fn method(&self) -> (&str, f64) {
         let solver = &self.gearbox.scene.solver;
         (&solver.integrator, solver.tolerance)
     }
 
     /// Returns the step of a fixed-step method, s.
-    #[must_use]
     pub fn step_s(&self) -> f64 {
         self.gearbox.scene.solver.step_s
     }
 
     /// True if a tolerance determines the method's steps.
-    #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.method().0).is_some_and(|method| method.adaptive)
     }
 
     /// Returns the work of the method since the prescribed signals last changed.
-    #[must_use]
     pub fn counts(&self) -> StepCounts {
         self.stepper.counts()
     }
@@ -363,7 +357,6 @@ impl CoSimulation {
     }
 
     /// Returns all data on which the next steps depend, to the bit; valid for the same program, scene and setup.
-    #[must_use]
     pub fn save(&mut self) -> Vec<u8> {
         let state = State {
             time: self.time,

@@ -39,7 +39,6 @@ pub struct Efficiency {
 
 impl Efficiency {
     /// Computes the efficiency of an account; `None` if no work passes between the shafts, or more is stored than passes.
-    #[must_use]
     pub fn of(audit: &EnergyAudit) -> Option<Self> {
         // Either shaft may drive.
         let (taken, delivered) = if audit.driver_j > 0.0 {
@@ -100,7 +99,6 @@ impl Efficiency {
     }
 
     /// Returns a lower and an upper value, for display where one figure would mislead.
-    #[must_use]
     pub fn interval(&self) -> [f64; 2] {
         [
             self.measured.min(self.of_losses),

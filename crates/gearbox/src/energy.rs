@@ -166,7 +166,6 @@ impl EnergyAccount {
     }
 
     /// Returns the account between the samples nearest to `from` and `to`, s. `None` with fewer than two samples there.
-    #[must_use]
     pub fn audit(&self, from: f64, to: f64) -> Option<EnergyAudit> {
         let marks = &self.marks;
         let nearest = |t: f64| {
@@ -228,7 +227,6 @@ impl EnergyAccount {
     }
 
     /// Returns the account of the entire run.
-    #[must_use]
     pub fn total(&self) -> Option<EnergyAudit> {
         self.audit(f64::NEG_INFINITY, f64::INFINITY)
     }

@@ -147,7 +147,6 @@ fn pins(scene: &Scene, modelled: &mut Statements) {
 }
 
 /// Explains the model of a compiled scene.
-#[must_use]
 pub fn explain(gearbox: &Gearbox) -> Explanation {
     let scene: &Scene = &gearbox.scene;
     let mechanism = gearbox.mechanism();

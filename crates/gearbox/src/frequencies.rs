@@ -24,7 +24,6 @@ pub struct Frequencies {
 
 impl Frequencies {
     /// Computes the frequencies of a checked scene.
-    #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let scales = Scales::of(scene);
@@ -50,7 +49,6 @@ impl Frequencies {
 
     /// Returns the depth of the most loaded ring pin under the scene's own law, relative to that by Hertz' stiffness, the scale
     /// of errors of adaptive methods ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
-    #[must_use]
     pub fn depth_share(scene: &Scene) -> f64 {
         let gear = &scene.gear;
         let force = external_force(
@@ -65,7 +63,6 @@ impl Frequencies {
 
     /// Returns the longest step that cannot miss a contact, s: a third of a touch at the contacts' frequency, and an eighth of
     /// the time from pin to pin.
-    #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         let mesh = TAU / 8.0 / self.mesh_rad_s.max(f64::MIN_POSITIVE);
         (1.0 / self.touch_rad_s).min(mesh)
@@ -80,7 +77,6 @@ const FOLLOWED: f64 = 1.0;
 
 /// Returns the factor by which explicit steps must be shorter to resolve the friction of a scene; `None` if they do. Longer
 /// steps chatter across its ramp: two such runs may agree on a wrong force.
-#[must_use]
 pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
     let shorter = step_s * friction_rate(scene) / FOLLOWED;
     (shorter > 1.0).then_some(shorter)
@@ -88,7 +84,6 @@ pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
 
 /// Returns the rate mu F q^2/(v_s J), 1/s, at which friction relaxes a pin's spin, or, with q the pins' circle radius, a disc's
 /// on fixed pins. It is that of the faster kind of pin under the largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
-#[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
     let torque = load_profile::largest(&scene.drive) / gear.wheels as f64;

@@ -154,14 +154,12 @@ impl Gearbox {
     }
 
     /// True if discs slide on pins with friction: on fixed pins, or on sleeves that they turn.
-    #[must_use]
     pub fn has_friction(&self) -> bool {
         self.scene.slides()
     }
 
     /// Returns the bodies of the pins whose spins are unknowns: those that turn freely under friction. Without friction nothing
     /// turns a pin; cranks turn with their planets, which are not separate bodies.
-    #[must_use]
     pub fn spinning(&self) -> Vec<usize> {
         let (gear, layout) = (&self.scene.gear, &self.layout);
         let [external, internal] = self.scene.sliding().map(|coefficient| coefficient > 0.0);
@@ -173,20 +171,17 @@ impl Gearbox {
     }
 
     /// Returns the twist of plate, flange and input shaft, rad, under a torque on the output, N m; 0 where they are rigid.
-    #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
         self.scene.flange_twist_rad(torque_n_m)
     }
 
     /// True if discs float on elastic bearings.
-    #[must_use]
     pub fn floats(&self) -> bool {
         self.carrier.floats()
     }
 
     /// Returns the load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump, its value after
     /// the jump.
-    #[must_use]
     pub fn load_torque(&self, t: f64) -> f64 {
         load_profile::piece_at(&self.scene.drive, t).torque(t)
     }
@@ -196,7 +191,6 @@ impl Gearbox {
     ///
     /// The largest static pin force is about 4 T/(e zs zk) a disc (linear springs, no clearance). Its penetration is
     /// (F/K)^(2/3), and the twist is the penetration over the lever e zs.
-    #[must_use]
     pub fn error_scales(&self) -> ErrorScales {
         let gear = &self.scene.gear;
         let lever = gear.lever_m();
@@ -217,13 +211,11 @@ impl Gearbox {
 
     /// Returns the force floor, N: the Hertz force at a penetration of 1e-5 pin radii. It replaces the load as the reference for
     /// an unloaded gear and scales with its size.
-    #[must_use]
     pub fn least_force_n(&self) -> f64 {
         self.flat_stiffness * least_depth(&self.scene).powf(1.5)
     }
 
     /// Returns the least force, N, and the torque of that force on the eccentric, N m.
-    #[must_use]
     pub fn least_loads(&self) -> LoadFloor {
         let force_n = self.least_force_n();
         LoadFloor {
@@ -233,13 +225,11 @@ impl Gearbox {
     }
 
     /// Returns the distance of `a` from the reference `b`, measured with the least loads of this gear ([`Distance::between`]).
-    #[must_use]
     pub fn distance(&self, a: &TimeSeries, b: &TimeSeries) -> Distance {
         Distance::between(a, b, self.least_loads())
     }
 
     /// Returns the motion of the input.
-    #[must_use]
     pub fn input_motion(&self) -> Motion {
         Motion {
             rate: self.scene.drive.input_speed_rad_s,
@@ -248,7 +238,6 @@ impl Gearbox {
     }
 
     /// Returns the torque that accelerates the input shaft, with the discs that revolutes carry on it, at time `t` (s), N m.
-    #[must_use]
     pub fn accelerating_torque_n_m(&self, t: f64) -> f64 {
         let shaft = self.scene.input_shaft().moment_kg_m2;
         let discs: f64 = match self.floats() {
@@ -262,7 +251,6 @@ impl Gearbox {
     }
 
     /// Returns the states at t = 0 by `drive.start`.
-    #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
         self.start
             .clone()
@@ -271,7 +259,6 @@ impl Gearbox {
 
     /// Returns the states at t = 0 at the ideal mesh: with its rates, ring pins at rest, and internal pins turning with the
     /// output.
-    #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
         let ring = self.scene.drive.output == OutputPart::Ring;
         let speed = self.scene.drive.input_speed_rad_s
@@ -304,7 +291,6 @@ impl Gearbox {
 
     /// Returns the bodies, revolutes and drivers of the gearbox: 28 bodies and 29 joints for the paper's. Floating discs have
     /// no revolute; drivers without motion fix pins that do not turn.
-    #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);
         let starts = self.initial_states();

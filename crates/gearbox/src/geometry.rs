@@ -151,7 +151,6 @@ impl Geometry {
 
     /// True if all pins are equal, all holes are equal, and no pin is larger than the tool radius of the profile, as the lanes
     /// assume.
-    #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
         let mut holes = self.hole_radii_m.iter();
@@ -164,7 +163,6 @@ impl Geometry {
 
     /// Returns the angle of the eccentrics from those of input and output, rad; rates likewise. In an RV gear it is (1 + rho)
     /// output - rho input.
-    #[must_use]
     pub fn eccentric_angle(&self, input: f64, output: f64) -> f64 {
         match self.teeth_ratio {
             0.0 => input,
@@ -173,7 +171,6 @@ impl Geometry {
     }
 
     /// Returns the angle of the eccentrics from that of the input at the ideal mesh, rad.
-    #[must_use]
     pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
         self.eccentric_per_input * input
     }
@@ -196,19 +193,16 @@ impl Geometry {
     }
 
     /// Returns the angle of disc `i` at the ideal mesh, for the input angle `phi`, rad.
-    #[must_use]
     pub fn ideal_wheel_angle(&self, i: usize, phi: f64) -> f64 {
         (PI - self.ideal_eccentric_angle(phi) - self.wheel_phases[i]) / self.lobes
     }
 
     /// Returns the angle of the output at the ideal mesh, for the input angle `phi`, rad.
-    #[must_use]
     pub fn ideal_output_angle(&self, phi: f64) -> f64 {
         -self.ideal_eccentric_angle(phi) / self.lobes
     }
 
     /// Returns zs, the number of lobes of a disc: their pitch is 2 pi/zs.
-    #[must_use]
     pub fn lobes(&self) -> f64 {
         self.lobes
     }

@@ -20,7 +20,6 @@ pub struct Handles<T>(RwLock<Vec<Option<Arc<T>>>>);
 
 impl<T> Handles<T> {
     /// Creates an empty table.
-    #[must_use]
     pub const fn new() -> Self {
         Self(RwLock::new(Vec::new()))
     }

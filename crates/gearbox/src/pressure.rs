@@ -22,7 +22,6 @@ pub struct LinePressure {
 
 impl LinePressure {
     /// Creates the pressure of contacts with the scene's materials and line length.
-    #[must_use]
     pub fn new(contact: &Contact) -> Self {
         let softness = |young: f64, poisson: f64| (1.0 - poisson * poisson) / young;
         let (young, poisson) = (contact.young_pa, contact.poisson);
@@ -38,7 +37,6 @@ impl LinePressure {
     }
 
     /// Returns p0 of a contact, Pa; `centre` (m, ground frame) and `angle` (rad) are the disc's.
-    #[must_use]
     pub fn of(
         &self,
         geometry: &Geometry,
@@ -72,7 +70,6 @@ impl LinePressure {
 /// C = R u + e w,  g n = u + m w,  |u| = |w| = 1,  m = e zk/R    =>    zs u = zk C/R - g n
 /// g = a - sqrt(zs^2 - b^2),   kappa = ((zk + 1) g - a)/(R g^2),   a, b: zk C/R along and across n
 /// ```
-#[must_use]
 pub fn curvature_at_foot(geometry: &Geometry, contact: &PairContact, centre: [f64; 2]) -> f64 {
     let of = |[x, y]: [f64; 2]| Complex::new(x, y);
     let n = -of(contact.normal);
@@ -86,7 +83,6 @@ pub fn curvature_at_foot(geometry: &Geometry, contact: &PairContact, centre: [f6
 
 /// Returns the curvature of C at the foot of the pin's centre, on the flank that it touches, 1/m; `centre` (m) and `angle`
 /// (rad) are the disc's.
-#[must_use]
 pub fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle: f64) -> f64 {
     let of = |[x, y]: [f64; 2]| Complex::new(x, y);
     let back = Complex::unit(angle).conj();

@@ -34,20 +34,17 @@ const ROWS: usize = 128;
 
 impl Recorder {
     /// Returns the names of the contract's columns after the time, in their order.
-    #[must_use]
     pub fn contract(gearbox: &Gearbox) -> Vec<String> {
         let layout = gearbox.layout;
         columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves).collect()
     }
 
     /// Creates an empty recording with capacity for the scene's samples.
-    #[must_use]
     pub fn new(gearbox: &Gearbox) -> Self {
         Self::with_room(gearbox, gearbox.scene.solver.sample_times_s().len())
     }
 
     /// Creates an empty recording with capacity for `samples` samples.
-    #[must_use]
     pub(crate) fn with_room(gearbox: &Gearbox, samples: usize) -> Self {
         let layout = gearbox.layout;
         let sleeves = layout.external_sleeves + layout.internal_sleeves;
@@ -69,7 +66,6 @@ impl Recorder {
 
     /// Creates an empty recording with capacity for `samples` samples, for a solver that also evaluates quantities between
     /// samples ([`record_between`](Self::record_between)).
-    #[must_use]
     pub(crate) fn with_between(gearbox: &Gearbox, samples: usize) -> Self {
         let recorder = Self::with_room(gearbox, samples);
         Self {
@@ -197,7 +193,6 @@ impl Recorder {
 
     /// True if the scene requests channels: [`record_channels`](Self::record_channels) must then follow every sample. Columns
     /// without values are missing in the time series.
-    #[must_use]
     pub fn wants_channels(&self) -> bool {
         self.channels.is_some()
     }
@@ -223,13 +218,11 @@ impl Recorder {
     }
 
     /// Returns the number of samples.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
     /// Returns true before the first sample.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }

@@ -304,7 +304,6 @@ pub fn holds(target: f64, error: Distance, moved: Distance, before: Option<Dista
 }
 
 /// Returns the non-smooth feature of a scene that bounds the order of fixed steps.
-#[must_use]
 pub fn roughness(scene: &Scene) -> Rough {
     let contact = &scene.contact;
     // Damping of hysteresis laws does not ramp: it grows with the penetration.
@@ -325,7 +324,6 @@ pub fn roughness(scene: &Scene) -> Rough {
 }
 
 /// Returns the convergence of a native method on a scene: in the step, or in the tolerance.
-#[must_use]
 pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
     match method.adaptive {
         true => by_tolerance(scene, method.family == Family::Explicit),
@@ -334,14 +332,12 @@ pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
 }
 
 /// Returns the convergence in the step of a method of this order with fixed steps.
-#[must_use]
 pub fn by_step(order: f64, scene: &Scene) -> Method {
     let rough = Some(roughness(scene));
     Method::Step { order, rough }
 }
 
 /// Returns the convergence in the tolerance on a scene; `explicit`: for an explicit Runge-Kutta method.
-#[must_use]
 pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
     let contact = &scene.contact;
     // If friction limits the explicit steps, tolerances hardly change steps and error. On `paper-friction` between 1e-7 and

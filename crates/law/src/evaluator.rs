@@ -17,7 +17,6 @@ pub struct Evaluator {
 
 impl Evaluator {
     /// Creates the evaluator for `bodies` bodies.
-    #[must_use]
     pub fn new(field: ContactField, bodies: usize) -> Self {
         Self {
             field,
@@ -41,7 +40,6 @@ impl Evaluator {
 }
 
 /// Returns a state as [`STATE`] numbers.
-#[must_use]
 pub fn numbers(body: &BodyState) -> [f64; STATE] {
     [body.x, body.y, body.angle, body.vx, body.vy, body.rate]
 }

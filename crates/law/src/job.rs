@@ -29,7 +29,6 @@ pub enum JobError {
 }
 
 /// Returns the columns that the time series of a scene must have, in order, the time first.
-#[must_use]
 pub fn required(gearbox: &Gearbox) -> Vec<String> {
     let time = std::iter::once(columns::TIME.to_owned());
     time.chain(Recorder::contract(gearbox)).collect()
@@ -103,7 +102,6 @@ pub fn write(gearbox: &Gearbox, folder: &Path, law_library: Option<&Path>) -> Re
 /// assert_eq!(schema["properties"]["protocol"]["const"], 1);
 /// assert!(schema["properties"]["scene"]["properties"]["gear"]["properties"]["wheels"].is_object());
 /// ```
-#[must_use]
 pub fn schema() -> Value {
     let numbers = |count: usize| json!({ "type": "array", "items": { "type": "number" }, "minItems": count, "maxItems": count });
     let with = |mut value: Value, about: &str| {

@@ -61,7 +61,6 @@ pub enum Carrier {
 
 impl Carrier {
     /// Returns the number of the support in the C interface and in job files.
-    #[must_use]
     pub fn number(self) -> i32 {
         match self {
             Self::Body(index) => i32::try_from(index).unwrap_or(i32::MAX),
@@ -140,13 +139,11 @@ impl Law {
     }
 
     /// Returns the bodies: input, output, discs, ring pins, output pins.
-    #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
     /// Returns the states at t = 0, [`STATE`] numbers a body.
-    #[must_use]
     pub fn start(&self) -> &[f64] {
         &self.start
     }
@@ -184,7 +181,6 @@ impl Law {
     }
 
     /// Returns the number of calls of [`loads`](Self::loads).
-    #[must_use]
     pub fn calls(&self) -> u64 {
         self.calls
     }

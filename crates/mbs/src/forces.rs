@@ -23,7 +23,6 @@ pub struct Coordinates {
 
 impl Coordinates {
     /// Numbers the angles of the `turning` bodies among `bodies`, then x and y of each of the `floating` bodies.
-    #[must_use]
     pub fn new(bodies: usize, turning: &[BodyId], floating: &[BodyId]) -> Self {
         let (mut angles, mut places) = (vec![None; bodies], vec![None; bodies]);
         for (k, &body) in turning.iter().enumerate() {
@@ -41,13 +40,11 @@ impl Coordinates {
     }
 
     /// Returns the number of a body's angle, if it is free, or that of its carrier's if fixed to it.
-    #[must_use]
     pub fn angle(&self, body: BodyId) -> Option<usize> {
         self.angles[body]
     }
 
     /// Returns the number of a body's x, if it is free; y has the next.
-    #[must_use]
     pub fn place(&self, body: BodyId) -> Option<usize> {
         self.places[body]
     }

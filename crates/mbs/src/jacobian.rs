@@ -72,7 +72,6 @@ impl Arrow {
     }
 
     /// Returns the number of rows, which is that of columns.
-    #[must_use]
     pub fn dimension(&self) -> usize {
         self.places.len()
     }
@@ -102,7 +101,6 @@ impl Arrow {
     }
 
     /// Returns one entry; 0 between different leaves.
-    #[must_use]
     pub fn entry(&self, row: usize, column: usize) -> f64 {
         let (hubs, leaves) = (self.hub_count(), self.leaves.len());
         match (self.places[row], self.places[column]) {
@@ -218,7 +216,6 @@ pub struct Jacobian {
 
 impl Jacobian {
     /// Creates a Jacobian of zeros. `dimension` is the length of y.
-    #[must_use]
     pub fn new(structure: &Structure, dimension: usize) -> Self {
         let (rate, second) = match structure {
             Structure::FirstOrder => (Arrow::new(&vec![false; dimension]), false),
@@ -275,7 +272,6 @@ impl Jacobian {
     }
 
     /// Factors `shift` I - df/dy. Returns false if the matrix is singular or not finite.
-    #[must_use]
     pub fn factor(&mut self, shift: f64) -> bool {
         self.shift = shift;
         let weight = shift.recip();

@@ -50,7 +50,6 @@ pub struct Motion {
 
 impl Motion {
     /// Returns f, f' and f'' at `t`.
-    #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> (f64, f64, f64) {
         let t = t - self.from_s;
@@ -116,7 +115,6 @@ pub struct Mechanism {
 
 impl Mechanism {
     /// Returns the number of scalar constraints: two for each revolute, one for each driver.
-    #[must_use]
     pub fn constraints(&self) -> usize {
         2 * self.revolutes.len() + self.drivers.len()
     }
@@ -129,7 +127,6 @@ impl Mechanism {
     }
 
     /// Returns the kinetic energy of the bodies in the given states, J.
-    #[must_use]
     pub fn kinetic_j(&self, states: &[BodyState]) -> f64 {
         let of = |(body, v): (&Body, &BodyState)| {
             body.mass * (v.vx * v.vx + v.vy * v.vy) + body.moment * v.rate * v.rate

@@ -236,7 +236,6 @@ impl<F: Forces> Reduced<F> {
     }
 
     /// Returns the dependence of this mechanism's contacts on its free rates.
-    #[must_use]
     pub fn into_contacts(self) -> PinnedContacts {
         self.contacts
     }
@@ -249,7 +248,6 @@ impl<F: Forces> Reduced<F> {
     }
 
     /// Returns the bodies whose angles are integrated, in the order of y.
-    #[must_use]
     pub fn free_bodies(&self) -> &[BodyId] {
         &self.free
     }

@@ -86,7 +86,6 @@ pub struct SaddlePoint {
 
 impl SaddlePoint {
     /// Creates the symbolic elimination for the joints of `mechanism`; constraints are its revolutes, then its drivers.
-    #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
         let values = [
             vec![Vector3::zeros(); mechanism.bodies.len()],
@@ -142,7 +141,6 @@ impl SaddlePoint {
     }
 
     /// Returns the number of 3 x 3 blocks below the diagonal, fill included, without nodes eliminated in closed form.
-    #[must_use]
     pub fn blocks(&self) -> usize {
         self.lower.len()
     }

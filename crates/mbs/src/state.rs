@@ -22,7 +22,6 @@ pub struct BodyState {
 
 impl BodyState {
     /// Creates a state from position and angle, and their rates.
-    #[must_use]
     #[inline]
     pub fn new([x, y, angle]: [f64; 3], [vx, vy, rate]: [f64; 3]) -> Self {
         Self {
@@ -66,14 +65,12 @@ pub struct ContactEnergy {
 
 impl ContactEnergy {
     /// Returns the power lost by all kinds of friction, W.
-    #[must_use]
     pub fn friction_w(&self) -> f64 {
         self.by_cause_w().iter().sum()
     }
 
     /// Returns the powers lost by friction of contacts, bearings, pins and seals, W.
     #[inline]
-    #[must_use]
     pub fn by_cause_w(&self) -> [f64; 4] {
         [
             self.contact_friction_w,

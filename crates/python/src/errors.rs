@@ -5,7 +5,6 @@ use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
 use pinwheel::studies::folder::FolderError;
 use pinwheel::studies::output::OutputError;
-use pinwheel::studies::sweep::SweepError;
 use pinwheel::time_series::Ending;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -136,25 +135,11 @@ impl From<ChoiceError> for Raised {
 impl From<StudyError> for Raised {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Cancelled => PyKeyboardInterrupt::new_err("stopped").into(),
-            StudyError::Ended { engine, ending } => ended(&engine, &ending, None),
-            StudyError::Choice(error) => error.into(),
-            StudyError::Load(error) => error.into(),
-            StudyError::Output(error) => error.into(),
-            StudyError::Input(_) | StudyError::Scene { .. } => input(error.to_string()),
-            other => plain(other),
-        }
-    }
-}
-
-impl From<SweepError> for Raised {
-    fn from(error: SweepError) -> Self {
-        match error {
-            SweepError::Stopped { .. } => PyKeyboardInterrupt::new_err(error.to_string()).into(),
-            SweepError::Io { .. } | SweepError::Output(_) => {
-                PyOSError::new_err(error.to_string()).into()
+            StudyError::Cancelled | StudyError::Stopped { .. } => {
+                PyKeyboardInterrupt::new_err(error.to_string()).into()
             }
-            SweepError::Scene {
+            StudyError::Io(..) => PyOSError::new_err(error.to_string()).into(),
+            StudyError::Run {
                 number,
                 values,
                 source,
@@ -163,10 +148,17 @@ impl From<SweepError> for Raised {
                 let message = format!("run {number} ({values}): {message}");
                 raise("SceneError", &message, |raised| raised.setattr("key", key))
             }
-            SweepError::Begun { .. } => input(format!(
+            StudyError::Begun { .. } => input(format!(
                 "{error}; go on with resume=True, or start over with force=True"
             )),
-            other => input(other.to_string()),
+            StudyError::Ended { engine, ending } => ended(&engine, &ending, None),
+            StudyError::Choice(error) => error.into(),
+            StudyError::Load(error) => error.into(),
+            StudyError::Output(error) => error.into(),
+            StudyError::Input(_) | StudyError::Scene { .. } | StudyError::File(_) => {
+                input(error.to_string())
+            }
+            other => plain(other),
         }
     }
 }

@@ -62,18 +62,11 @@ pub(crate) fn engines(asked: Vec<Asked>, scene: &Scene) -> Raises<Vec<Box<dyn En
         let none: [&str; 0] = [];
         return Ok(choice::engines(&none, scene)?);
     }
-    let mut found: Vec<Box<dyn Engine>> = Vec::new();
-    for engine in asked {
-        let engine: Box<dyn Engine> = match engine {
-            Asked::Name(name) => choice::find_or_recorded(name.trim(), scene)?,
-            Asked::Own(guest) => Box::new(guest),
-        };
-        if found.iter().any(|other| other.name() == engine.name()) {
-            return Err(choice::ChoiceError::Twice(engine.name().to_owned()).into());
-        }
-        found.push(engine);
-    }
-    Ok(found)
+    let chosen = asked.into_iter().map(|engine| match engine {
+        Asked::Name(name) => choice::find_or_recorded(name.trim(), scene),
+        Asked::Own(guest) => Ok(Box::new(guest) as Box<dyn Engine>),
+    });
+    Ok(choice::distinct(chosen)?)
 }
 
 /// Returns the names of all requested engines, and those in Python.

@@ -73,12 +73,7 @@ impl Sweep {
         };
         let out = out.unwrap_or_else(|| Path::new("out").join(name));
         drop(Folder::prepare(&out, request.clone())?);
-        let begin = match (resume, force) {
-            (true, _) => Begin::Resume,
-            (_, true) => Begin::Over,
-            _ => Begin::Fresh,
-        };
-        let journal = Journal::begin(&out, begin, COMMAND)?;
+        let journal = Journal::begin(&out, Begin::of(resume, force), COMMAND)?;
         let records = Mutex::new(vec![None; plan.runs.len()]);
         Ok(Self {
             plan,
@@ -294,7 +289,7 @@ pub(crate) fn perform(
                 &control,
             )
         });
-        let mut record = made?.ok_or_else(|| plain("stopped"))?;
+        let mut record = made?;
         record.scene = String::new();
         Ok(serde_json::to_string(&record)?)
     });

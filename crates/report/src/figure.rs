@@ -9,13 +9,11 @@ use crate::format::{NONE, bounded, joined, significant};
 use crate::study::Tile;
 
 /// Formats a number of a design.
-#[must_use]
 pub fn number(value: f64) -> String {
     significant(value, usize::from(DIGITS))
 }
 
 /// Returns a figure with its bounds for the first screen, or the reason for a missing value.
-#[must_use]
 pub fn tile(one: &Figure) -> Tile {
     let (value, bounds) = shown(one);
     let tile = Tile::new(&*one.def.label, value, bounds);
@@ -26,7 +24,6 @@ pub fn tile(one: &Figure) -> Tile {
 }
 
 /// Returns a value and its bounds, `310 to 322 by contact law; ± 0.2 numerical`, or the reason for a missing value.
-#[must_use]
 pub fn shown(one: &Figure) -> (String, String) {
     let Some(value) = one.value else {
         return (NONE.to_owned(), one.withheld.clone().unwrap_or_default());
@@ -52,7 +49,6 @@ fn narrowest(one: &Figure) -> Option<[f64; 2]> {
 }
 
 /// A value in a table: with the digits that its narrowest band leaves it, and how far it may be off numerically.
-#[must_use]
 pub fn cell(one: &Figure) -> String {
     let Some(value) = one.value else {
         return NONE.to_owned();
@@ -78,7 +74,6 @@ pub fn cell(one: &Figure) -> String {
 }
 
 /// Returns a value with its unit for a sentence: `479.1 ± 0.2 N`, `310 N (310 to 322 by contact law)`.
-#[must_use]
 pub fn sentence(one: &Figure) -> String {
     let unit = &one.def.unit;
     match one.band() {
@@ -91,7 +86,6 @@ pub fn sentence(one: &Figure) -> String {
 }
 
 /// Returns the definition of a figure, its values over the mesh, and the reason for a missing value.
-#[must_use]
 pub fn how(one: &Figure) -> String {
     let mesh = one.over_mesh.map(|mesh| over_mesh(one, &mesh));
     let parts = [Some(one.def.how.to_owned()), mesh, one.withheld.clone()];
@@ -151,7 +145,6 @@ fn known(value: f64, uncertainty: Option<f64>, digits: u8) -> (String, String) {
 }
 
 /// Returns a value with the digits that a band permits: no digit below a fifth of the band's width.
-#[must_use]
 pub fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
     let width = high - low;
     if !(width > 0.0 && value.is_finite()) {
@@ -168,7 +161,6 @@ pub fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
 }
 
 /// Formats an interval, `310 to 322`.
-#[must_use]
 pub fn interval(band: [f64; 2]) -> String {
     let [low, high] = band.map(|end| rounded(end, band));
     format!("{low} to {high}")

@@ -8,7 +8,6 @@ use pinwheel_files::output::steers;
 const LONGEST: usize = 1600;
 
 /// Returns a message without its middle, if it is longer than a screen: the fault is at the start, the remedy at the end.
-#[must_use]
 pub fn shortened(message: &str) -> String {
     let count = message.chars().count();
     if count <= LONGEST {
@@ -26,7 +25,6 @@ pub fn shortened(message: &str) -> String {
 
 /// Returns the text with control characters written out as `\u001b`, which JSON reads back; `laid_out` text keeps its line
 /// ends, tabs and colours.
-#[must_use]
 pub fn sanitize(text: &str, laid_out: bool) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;

@@ -12,13 +12,11 @@ use serde_json::json;
 const LEVEL: u8 = 8;
 
 /// Returns an element with a script.
-#[must_use]
 pub fn code(code: &str) -> String {
     format!("<script>{code}</script>\n")
 }
 
 /// Returns an element with data for scripts, identified by its `id`.
-#[must_use]
 pub fn data(id: &str, value: &impl Serialize) -> String {
     let json = json_text(value);
     format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
@@ -26,7 +24,6 @@ pub fn data(id: &str, value: &impl Serialize) -> String {
 
 /// Returns JSON for a script element: no character can end it or begin a comment. Control characters appear as numbers, as
 /// in the rest of a page.
-#[must_use]
 pub fn json_text(value: &impl Serialize) -> String {
     let json = json!(value).to_string();
     let mut safe = String::with_capacity(json.len());
@@ -42,7 +39,6 @@ pub fn json_text(value: &impl Serialize) -> String {
 }
 
 /// Returns deflated bytes as base64, for `assets/packed.js`.
-#[must_use]
 pub fn packed(bytes: &[u8]) -> String {
     STANDARD.encode(miniz_oxide::deflate::compress_to_vec(bytes, LEVEL))
 }

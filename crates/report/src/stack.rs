@@ -8,7 +8,6 @@ use crate::COLOURS;
 use crate::format::significant;
 
 /// Returns the markup of the bar. The length of a part is its share. The list below names every part, however short.
-#[must_use]
 pub fn stack(caption: &str, parts: &[(&str, f64)]) -> String {
     let (mut bar, mut names) = (String::new(), String::new());
     for (k, (name, share)) in parts.iter().enumerate() {

@@ -5,13 +5,11 @@ use pinwheel_timeseries::table::{Column, Mark, Shown, Table, Values};
 use crate::format;
 
 /// Returns a column's heading with its unit.
-#[must_use]
 pub fn heading(column: &Column) -> String {
     named(&column.label, &column.unit)
 }
 
 /// Returns a name with its unit, which may be empty.
-#[must_use]
 pub fn named(label: &str, unit: &str) -> String {
     match unit {
         "" => label.to_owned(),
@@ -20,7 +18,6 @@ pub fn named(label: &str, unit: &str) -> String {
 }
 
 /// Returns the text of a cell: the text that replaces the value, or the value with no digit beyond its uncertainty.
-#[must_use]
 pub fn words(column: &Column, row: usize) -> String {
     if let Some(said) = of_row(&column.said, row) {
         return said;
@@ -36,7 +33,6 @@ pub fn words(column: &Column, row: usize) -> String {
 }
 
 /// Formats a number with its uncertainty.
-#[must_use]
 pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
     if let (Some(u), Shown::Digits(_) | Shown::Decimals(_) | Shown::Percent) = (uncertainty, shown)
     {

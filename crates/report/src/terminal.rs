@@ -18,19 +18,16 @@ pub const OPEN: Style = AnsiColor::Yellow.on_default().bold();
 pub const QUIET: Style = Style::new().dimmed();
 
 /// Returns the text in a style, with escape sequences that the output removes without a terminal.
-#[must_use]
 pub fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
 /// Joins parts below a title.
-#[must_use]
 pub fn titled<const N: usize>(title: &str, parts: [String; N]) -> String {
     format!("{}\n{}", styled(TITLE, title), parts.concat())
 }
 
 /// Returns the text without styles, for files and pipes.
-#[must_use]
 pub fn plain(text: &str) -> String {
     anstream::adapter::strip_str(text).to_string()
 }
@@ -51,7 +48,6 @@ const WIDTHS: std::ops::RangeInclusive<usize> = 60..=120;
 const LEAST: usize = 12;
 
 /// Returns the line length of the terminal at stdout, stdin or stderr; 80 without one.
-#[must_use]
 pub fn width() -> usize {
     let found = terminal_size::terminal_size();
     let columns = found.map_or(USUAL, |(columns, _)| usize::from(columns.0));
@@ -126,7 +122,6 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 }
 
 /// Returns a table with its headings; marks become styles.
-#[must_use]
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String, style| Cell {
         // Backticks mark code on a page; a terminal shows the code without them.
@@ -158,7 +153,6 @@ fn style(mark: Mark) -> Style {
 }
 
 /// Returns labels with their texts, one pair a line.
-#[must_use]
 pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L, T)>) -> String {
     list(
         rows.into_iter()
@@ -167,7 +161,6 @@ pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L
 }
 
 /// Returns questions with their answers, in the style of the answer's mark.
-#[must_use]
 pub fn facts(facts: &[Fact]) -> String {
     let cell = |text: &str, style| Cell {
         text: text.replace('`', ""),
@@ -182,7 +175,6 @@ pub fn facts(facts: &[Fact]) -> String {
 }
 
 /// Returns rows of words in columns, without headings.
-#[must_use]
 pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> String {
     let cell = |text| Cell {
         text,
@@ -194,13 +186,11 @@ pub fn list<const N: usize>(rows: impl IntoIterator<Item = [String; N]>) -> Stri
 }
 
 /// Returns a paragraph that fits the terminal.
-#[must_use]
 pub fn paragraph(text: &str) -> String {
     wrapped(text, width()).join("\n")
 }
 
 /// Returns paragraphs that fit the terminal, each with its line end.
-#[must_use]
 pub fn paragraphs<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
     let texts = texts.into_iter();
     texts.map(|text| paragraph(text.as_ref()) + "\n").collect()

@@ -58,7 +58,6 @@ pub const PROCESSES: &[Process] = &[
 ];
 
 /// Returns the process with a name.
-#[must_use]
 pub fn process(name: &str) -> Option<&'static Process> {
     PROCESSES.iter().find(|process| process.name == name)
 }
@@ -74,7 +73,6 @@ const IT7_UM: [f64; 13] = [
 const UNITS: [f64; 8] = [7.0, 10.0, 16.0, 25.0, 40.0, 64.0, 100.0, 160.0];
 
 /// Returns the standard tolerance of a grade from 5 to 12 for a size, m (ISO 286-1). Above 500 mm it stays that of 500 mm.
-#[must_use]
 pub fn tolerance_m(size_m: f64, grade: usize) -> f64 {
     1e-6 * row(&STEPS_MM, size_m, &IT7_UM) * UNITS[grade - 5] / UNITS[2]
 }

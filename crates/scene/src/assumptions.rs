@@ -25,7 +25,6 @@ pub struct Assumption {
 /// Returns the assumptions behind a scene: doubtful values, its base, every value that was filled in with its formula or
 /// reason, and the gaps in the published gear's source (dimensions of its missing Fig. 3, friction coefficient, moments of
 /// inertia of Tab. 2).
-#[must_use]
 pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     let gear = &scene.gear;
     let mut list = doubts(scene);

@@ -55,7 +55,6 @@ impl Scene {
     /// Returns the friction of the sleeves of ring and of output pins as a share of the force on them: mu d/(2 r), or the
     /// contact's coefficient if that is stated and smaller; 0 for pins that do not turn. `None`: sleeves without friction.
     /// A roller thinner than the bore d turns in a groove and rubs on its own diameter, so the share is at most mu.
-    #[must_use]
     pub fn sleeve_drag(&self) -> Option<[f64; 2]> {
         let (bearings, contact) = (&self.bearings, self.contact.friction_coefficient);
         let friction = bearings.sleeve_friction_coefficient?;
@@ -78,14 +77,12 @@ impl Scene {
     /// scene.bearings.output_seal_n_m = Some(0.5);
     /// assert!(scene.rubs());
     /// ```
-    #[must_use]
     pub fn rubs(&self) -> bool {
         self.rubbing().contains(&true)
     }
 
     /// Returns flags of ring and of output pins that are sleeves with a stated friction on their pins. The smaller of both
     /// frictions acts at their contacts.
-    #[must_use]
     pub fn rolling(&self) -> [bool; 2] {
         let rolls = self.bearings.sleeve_friction_coefficient.is_some();
         let gear = &self.gear;
@@ -103,7 +100,6 @@ impl Scene {
     /// scene.gear.external_sleeves_turn = false;
     /// assert_eq!(scene.sliding(), [0.1, 0.0]);
     /// ```
-    #[must_use]
     pub fn sliding(&self) -> [f64; 2] {
         let coefficient = self.contact.friction_coefficient;
         let has_pins = [true, self.cranks.is_none()];
@@ -112,13 +108,11 @@ impl Scene {
     }
 
     /// True if discs slide on pins with friction, so that the contact forces depend steeply on sliding speeds.
-    #[must_use]
     pub fn slides(&self) -> bool {
         self.sliding() != [0.0; 2]
     }
 
     /// Returns flags of friction, in this order, at contacts, bearings, sleeves on their pins and seals.
-    #[must_use]
     pub fn rubbing(&self) -> [bool; 4] {
         let bearings = &self.bearings;
         let [external, internal] = self.sliding();
@@ -143,7 +137,6 @@ impl Scene {
     ///
     /// ISO 76: C0 = 44 (1 - g) Z L D with g = D/(pitch diameter), N and mm, which is 4000 MPa under a roller's 5 F/Z. ISO 281:
     /// C = f L^(7/9) Z^(3/4) D^(29/27), f by the formula of its table 7 (ISO/TR 1281-1), raceways as those of drawn cups.
-    #[must_use]
     pub fn roller_ratings_n(&self) -> Option<[f64; 2]> {
         let bearing = self.bearings.eccentric?;
         let of_crank = self.cranks.map(|cranks| cranks.bore_radius_m);
@@ -170,7 +163,6 @@ impl EccentricBearing {
 
 impl BearingLaw {
     /// Returns the law of a scene with floating discs; `None` for rigid eccentrics.
-    #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let bearing = scene.bearings.eccentric?;
         let (stiffness, exponent) = match (bearing.rollers, bearing.roller_length_m) {
@@ -200,7 +192,6 @@ impl BearingLaw {
     }
 
     /// Returns the law of a bearing with `share` times the deflection under a force and `of_clearance` times the clearance.
-    #[must_use]
     pub fn share(&self, share: f64, of_clearance: f64) -> Self {
         Self {
             stiffness: self.stiffness / share.powf(self.exponent),
@@ -210,7 +201,6 @@ impl BearingLaw {
     }
 
     /// Returns the force at rest at an offset beyond the clearance, N.
-    #[must_use]
     #[inline]
     pub fn elastic<R: Real>(&self, beyond: R) -> R {
         let stiffness = beyond.like(self.stiffness);
@@ -223,7 +213,6 @@ impl BearingLaw {
 
     /// Returns the force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0. Damping
     /// rises over the ramp, so that the force does not jump at first contact.
-    #[must_use]
     #[inline]
     pub fn force<S: Scalar>(&self, offset: S, rate: S) -> S {
         let c = |x: f64| offset.like(x);
@@ -237,7 +226,6 @@ impl BearingLaw {
 
     /// Returns the moment of friction on the disc, N m, under a force (N) while the disc turns at `rate` rad/s relative to
     /// its eccentric.
-    #[must_use]
     #[inline]
     pub fn drag<R: Real>(&self, force: R, rate: R) -> R {
         let c = |x: f64| force.like(x);
@@ -246,20 +234,17 @@ impl BearingLaw {
     }
 
     /// Returns the stored energy at an offset, J.
-    #[must_use]
     pub fn stored(&self, offset: f64) -> f64 {
         let beyond = (offset - self.clearance_m).max(0.0);
         self.elastic(beyond) * beyond / (self.exponent + 1.0)
     }
 
     /// Returns the offset under a force, m.
-    #[must_use]
     pub fn offset_under(&self, force: f64) -> f64 {
         self.clearance_m + (force / self.stiffness).powf(1.0 / self.exponent)
     }
 
     /// Returns dF/d offset under a force, N/m.
-    #[must_use]
     pub fn slope_under(&self, force: f64) -> f64 {
         self.exponent * force / (self.offset_under(force) - self.clearance_m)
     }
@@ -267,7 +252,6 @@ impl BearingLaw {
 
 /// Returns the load of a bearing under the largest load, N: about the load on one disc over the lever of its lobes; for a
 /// crank its share of it, and of the force that turns the output.
-#[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
     let torque = wheel_torque_n_m(scene);
     let eccentric = torque / scene.gear.lever_m();

@@ -70,7 +70,6 @@ impl Shape {
 
 /// Returns the bore radius of a disc for the bearing on its eccentric, m; without a stated one 0.6 of the radius inside the
 /// holes.
-#[must_use]
 pub fn bore_radius_m(gear: &Gear) -> f64 {
     let free = (gear.internal_circle_radius_m - gear.hole_radius_m).max(0.0);
     gear.eccentric_bore_radius_m.unwrap_or(0.6 * free)

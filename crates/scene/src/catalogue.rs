@@ -83,7 +83,6 @@ pub struct Draft {
 
 impl Draft {
     /// Returns a study of the draft's tolerances for the scene file `scene`; `None` for an ideal gear.
-    #[must_use]
     pub fn study(&self, scene: &str) -> Option<String> {
         (!self.toleranced.is_empty()).then(|| {
             format!(

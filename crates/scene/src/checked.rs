@@ -55,7 +55,6 @@ pub enum Source {
 
 impl Source {
     /// Returns the source as text, `from the base paper`.
-    #[must_use]
     pub fn words(&self) -> String {
         match self {
             Self::Base(base) => format!("from the base {base}"),
@@ -114,7 +113,6 @@ impl CheckedScene {
     }
 
     /// Returns the number at a key, `None` for other values.
-    #[must_use]
     pub fn number(&self, key: &str) -> Option<f64> {
         let table = Table::try_from(&self.scene).ok()?;
         lookup(&table, key).and_then(Value::as_float)
@@ -156,7 +154,6 @@ impl CheckedScene {
 
     /// Returns the origins of values that the scene's file does not write, in the order of [`crate::KEYS`], except values
     /// that a later change has replaced.
-    #[must_use]
     pub fn origins(&self) -> Vec<&Origin> {
         let now = Table::try_from(&self.scene).unwrap_or_default();
         let holds = |origin: &&Origin| lookup(&now, origin.key) == Some(&origin.value);
@@ -164,14 +161,12 @@ impl CheckedScene {
     }
 
     /// Returns the unchecked scene, which may be changed.
-    #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene
     }
 
     /// Accepts a scene that the checks refuse, for studies of published models with unphysical values (negative damping)
     /// and for tests of kernels. The caller is responsible for a run that ends.
-    #[must_use]
     pub fn unchecked(scene: Scene) -> Self {
         Self {
             scene,

@@ -19,13 +19,11 @@ const PRESSURE_ANGLE_DEG: f64 = 20.0;
 
 impl Cranks {
     /// Returns the ratio rho: teeth of the sun over teeth of a planet.
-    #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64
     }
 
     /// Returns the base radius of a planet, m: standard teeth at a centre distance of the circle's radius.
-    #[must_use]
     pub fn planet_base_radius_m(&self) -> f64 {
         let pitch_radius = self.circle_radius_m / (1.0 + self.teeth_ratio());
         pitch_radius * PRESSURE_ANGLE_DEG.to_radians().cos()
@@ -35,7 +33,6 @@ impl Cranks {
 impl Scene {
     /// Returns the rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk
     /// + rho) of an RV gear, and zs/zk if the ring is the output.
-    #[must_use]
     pub fn eccentric_per_input(&self) -> f64 {
         if self.drive.output == OutputPart::Ring {
             return self.gear.lobes() as f64 / self.gear.external_sleeves as f64;
@@ -48,7 +45,6 @@ impl Scene {
 
     /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk of a
     /// ring.
-    #[must_use]
     pub fn output_per_input(&self) -> f64 {
         let carrier = -self.eccentric_per_input() / self.gear.lobes() as f64;
         match self.drive.output {
@@ -58,7 +54,6 @@ impl Scene {
     }
 
     /// Returns the input turns per output turn, unsigned.
-    #[must_use]
     pub fn ratio(&self) -> f64 {
         if self.drive.output == OutputPart::Ring {
             return self.gear.external_sleeves as f64;
@@ -72,7 +67,6 @@ impl Scene {
     }
 
     /// Returns the largest speed of the eccentrics at the ideal mesh, rad/s.
-    #[must_use]
     pub fn eccentric_speed_rad_s(&self) -> f64 {
         self.eccentric_per_input() * speed_profile::fastest_rad_s(&self.drive)
     }
@@ -80,7 +74,6 @@ impl Scene {
     /// Returns the input shaft with its share of the turning cranks' inertia, the part that a torque on the sun
     /// accelerates. [`output_shaft`](Self::output_shaft) has the other share; at the ideal mesh both add up to the full
     /// inertia.
-    #[must_use]
     pub fn input_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.input_shaft;
         if let Some(cranks) = &self.cranks {
@@ -93,7 +86,6 @@ impl Scene {
     }
 
     /// Returns the output shaft with its share of the turning cranks' inertia.
-    #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.output_shaft;
         if let Some(cranks) = &self.cranks {

@@ -106,7 +106,6 @@ pub struct Frequency {
 
 impl Derived {
     /// Returns quantities that follow from the dimensions and the load, in reading order, for the `scene` of these figures.
-    #[must_use]
     pub fn lines(&self, scene: &Scene) -> Vec<Line> {
         macro_rules! lines {
             ($($what:literal $value:expr, $unit:literal, $how:expr;)*) => {
@@ -162,7 +161,6 @@ fn hole_clearance(gear: &Gear) -> f64 {
 }
 
 /// Derives the closed-form figures of a scene that passed [`Scene::check`].
-#[must_use]
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;
     let curve = Profile::of(gear);

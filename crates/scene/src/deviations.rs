@@ -35,7 +35,6 @@ pub struct ErrorList<'a> {
 
 /// Returns the position of a part, m: `angle` (rad) and `radius` (m) are nominal; `radial` and `tangential` (m) are
 /// displacements outwards and across.
-#[must_use]
 pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     let out = radius + radial;
@@ -43,14 +42,12 @@ pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [
 }
 
 /// Returns an entry of a list; 0 if the list has no such entry.
-#[must_use]
 pub fn entry(list: &[f64], number: usize) -> f64 {
     list.get(number).copied().unwrap_or(0.0)
 }
 
 impl Modification {
     /// True if the profile is the ideal one.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -58,13 +55,11 @@ impl Modification {
 
 impl NormalOffset {
     /// True if there is no offset.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
     /// Returns the offset as a function; `None` without one, or with too few points.
-    #[must_use]
     pub fn of_lobe(&self) -> Option<LobeOffset> {
         match self.points_m.is_empty() {
             true if self.is_none() => None,
@@ -76,13 +71,11 @@ impl NormalOffset {
 
 impl Errors {
     /// True if no part has an error.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
     /// Returns every list with its key and the expected number of entries.
-    #[must_use]
     pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 12] {
         let external = ("ring pins", gear.external_sleeves);
         let internal = ("output pins", gear.internal_sleeves);
@@ -130,13 +123,11 @@ impl Errors {
     }
 
     /// Largest amount by which a gap between disc and ring pin exceeds its nominal value, m.
-    #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["external", "eccentricity"])
     }
 
     /// Largest excess over nominal of the gap between hole and output pin, m.
-    #[must_use]
     pub fn largest_of_holes_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["internal", "hole", "eccentricity"])
     }
@@ -144,13 +135,11 @@ impl Errors {
 
 impl Gear {
     /// Returns R', m: radius of the circle of the generating pin.
-    #[must_use]
     pub fn generating_radius_m(&self) -> f64 {
         self.pitch_radius_m() + self.modification.radial_m
     }
 
     /// Returns m' = e zk/R' of the discs' epitrochoid.
-    #[must_use]
     pub fn generating_shortening(&self) -> f64 {
         if self.modification.radial_m == 0.0 {
             return self.shortening;
@@ -159,13 +148,11 @@ impl Gear {
     }
 
     /// Returns q', m: inward distance of a disc's edge from its epitrochoid.
-    #[must_use]
     pub fn edge_offset_m(&self) -> f64 {
         self.external_sleeve_radius_m + self.modification.equidistant_m
     }
 
     /// Returns the generating curve with a user-defined offset; `None` without one, or if it folds.
-    #[must_use]
     pub fn own_curve(&self) -> Option<Epitrochoid> {
         let offset = self.modification.normal_m.of_lobe()?;
         let sleeves = u32::try_from(self.external_sleeves).ok()?;
@@ -180,14 +167,12 @@ impl Gear {
     }
 
     /// True if all parts are alike: without errors, and with the flanks of an epitrochoid, not turned.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         let change = &self.modification;
         self.errors.is_none() && change.rotational_rad == 0.0 && change.normal_m.is_none()
     }
 
     /// Returns the centre of ring pin `j`, ground frame, m.
-    #[must_use]
     pub fn external_sleeve_m(&self, j: usize) -> [f64; 2] {
         let errors = &self.errors;
         placed(
@@ -199,26 +184,22 @@ impl Gear {
     }
 
     /// Radius of ring pin `j`, m.
-    #[must_use]
     pub fn external_sleeve_radius_of_m(&self, j: usize) -> f64 {
         self.external_sleeve_radius_m + entry(&self.errors.external_sleeve_radius_m, j)
     }
 
     /// Radius of output pin `k`, m.
-    #[must_use]
     pub fn internal_sleeve_radius_of_m(&self, k: usize) -> f64 {
         self.internal_sleeve_radius_m + entry(&self.errors.internal_sleeve_radius_m, k)
     }
 
     /// Radius of hole `k` of a disc, m.
-    #[must_use]
     pub fn hole_radius_of_m(&self, wheel: usize, k: usize) -> f64 {
         let number = wheel * self.internal_sleeves + k;
         self.hole_radius_m + entry(&self.errors.hole_radius_m, number)
     }
 
     /// Returns the centre of output pin `k` in the frame of the output, m.
-    #[must_use]
     pub fn internal_sleeve_m(&self, k: usize) -> [f64; 2] {
         placed(
             TAU * k as f64 / self.internal_sleeves as f64,
@@ -230,7 +211,6 @@ impl Gear {
 
     /// Returns the centre of hole `k` of a disc relative to the disc's centre, m. The disc is turned by `turned` rad from
     /// the position with the nominal hole 0 on the x axis.
-    #[must_use]
     pub fn hole_m(&self, wheel: usize, k: usize, turned: f64) -> [f64; 2] {
         let number = wheel * self.internal_sleeves + k;
         placed(
@@ -242,25 +222,21 @@ impl Gear {
     }
 
     /// Eccentricity of a disc, m.
-    #[must_use]
     pub fn eccentricity_of_m(&self, wheel: usize) -> f64 {
         self.eccentricity_m + entry(&self.errors.eccentricity_m, wheel)
     }
 
     /// Angle of a disc's eccentric from the input's, rad: 2 pi i/n and its error.
-    #[must_use]
     pub fn phase_of_rad(&self, wheel: usize) -> f64 {
         TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
     }
 
     /// Phase error of crank `k` of an RV gear, rad.
-    #[must_use]
     pub fn crank_phase_of_rad(&self, k: usize) -> f64 {
         entry(&self.errors.crank_phase_rad, k)
     }
 
     /// Returns the gear without its output pins and holes; their lists of errors become empty.
-    #[must_use]
     pub fn without_internal_sleeves(&self) -> Self {
         let mut gear = self.clone();
         gear.internal_sleeves = 0;
@@ -281,7 +257,6 @@ impl Gear {
 
     /// Returns the gap of a ring pin at the angle `phi` (rad) from the eccentric at the ideal mesh, to first order, m,
     /// negative for an overlap, and the lever of its normal about the disc's centre, m.
-    #[must_use]
     pub fn initial_gap_m(&self, phi: f64) -> (f64, f64) {
         let m = self.shortening;
         let (sin, cos) = phi.sin_cos();

@@ -105,7 +105,6 @@ impl Range {
 
 impl Key {
     /// Returns the unit at the end of the name, as text; empty for counts, names and plain numbers.
-    #[must_use]
     pub fn unit(&self) -> &'static str {
         const UNITS: [(&str, &str); 19] = [
             ("stiffness_n_m", "N/m"),
@@ -133,7 +132,6 @@ impl Key {
     }
 
     /// Returns the range that a number violates, as text: `from 0 to 1e5`. `None` for a permitted number.
-    #[must_use]
     pub fn refuses(&self, number: f64) -> Option<String> {
         match self.kind {
             Kind::Number(range) if !range.holds(number) => Some(range.words()),
@@ -148,7 +146,6 @@ impl Key {
 }
 
 /// Returns the row of a key.
-#[must_use]
 pub fn key(name: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.name == name)
 }

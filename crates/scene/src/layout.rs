@@ -22,7 +22,6 @@ impl Layout {
     pub const OUTPUT: usize = 1;
 
     /// Returns the layout of a gear.
-    #[must_use]
     pub fn of(gear: &Gear) -> Self {
         Self {
             wheels: gear.wheels,
@@ -32,33 +31,28 @@ impl Layout {
     }
 
     /// Indices of the discs.
-    #[must_use]
     pub fn wheel_bodies(&self) -> Range<usize> {
         2..2 + self.wheels
     }
 
     /// Indices of the ring pins.
-    #[must_use]
     pub fn external_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels;
         from..from + self.external_sleeves
     }
 
     /// Indices of the output pins.
-    #[must_use]
     pub fn internal_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels + self.external_sleeves;
         from..from + self.internal_sleeves
     }
 
     /// Number of bodies.
-    #[must_use]
     pub fn bodies(&self) -> usize {
         self.internal_bodies().end
     }
 
     /// Returns the body index of a pin.
-    #[must_use]
     pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
         match sleeve {
             Sleeve::External(j) => self.external_bodies().start + j,
@@ -78,7 +72,6 @@ pub enum Sleeve {
 
 impl Sleeve {
     /// Returns 0 for a ring pin and 1 for an output pin.
-    #[must_use]
     #[inline]
     pub fn side(self) -> usize {
         usize::from(matches!(self, Self::Internal(_)))

@@ -27,7 +27,6 @@ pub struct LoadSegment {
 
 impl LoadSegment {
     /// Returns the torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
-    #[must_use]
     pub fn torque(&self, t: f64) -> f64 {
         if self.ramp_s > 0.0 {
             let share = ((t - self.from_s) / self.ramp_s).clamp(0.0, 1.0);
@@ -38,7 +37,6 @@ impl LoadSegment {
     }
 
     /// Returns the end of the ramp, s.
-    #[must_use]
     pub fn settled_s(&self) -> f64 {
         self.from_s + self.ramp_s
     }
@@ -71,7 +69,6 @@ pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadSegment> + '_ {
 }
 
 /// Returns the segment at time `t` (s); at a change the one that begins.
-#[must_use]
 pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
     let changes = pieces(drive).skip(1);
     let begun = changes.take_while(|piece| !(piece.from_s > t));
@@ -82,7 +79,6 @@ pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
 ///
 /// Empty without changes: a ramp at the start alone is left to the step control, so that results of such scenes stay the
 /// same to the last bit.
-#[must_use]
 pub fn breaks(drive: &Drive) -> Vec<f64> {
     let mut times = breaks_of_load(drive);
     let motions = speed_profile::motions(drive);
@@ -120,7 +116,6 @@ fn breaks_of_load(drive: &Drive) -> Vec<f64> {
 }
 
 /// Returns the mean load from `from` to `to` (s, `to > from`), N m, for a step with a constant load.
-#[must_use]
 pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
     let mut ends: Vec<f64> = breaks_of_load(drive);
     ends.retain(|&t| t > from && t < to);
@@ -136,13 +131,11 @@ pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
 }
 
 /// Returns the largest magnitude of the load over the run, N m: the reference of forces and stiffness.
-#[must_use]
 pub fn largest(drive: &Drive) -> f64 {
     pieces(drive).map(|p| p.after_n_m.abs()).fold(0.0, f64::max)
 }
 
 /// Time at which load and speed of a run reach their last values, s; `None` if neither changes before the run's end.
-#[must_use]
 pub fn last_change_s(scene: &Scene) -> Option<f64> {
     let end = scene.solver.duration_s;
     let began = pieces(&scene.drive).skip(1).filter(|p| p.from_s < end);
@@ -153,7 +146,6 @@ pub fn last_change_s(scene: &Scene) -> Option<f64> {
 }
 
 /// Returns the load at the end of a run of `scene`, N m.
-#[must_use]
 pub fn final_load(scene: &Scene) -> f64 {
     let end = scene.solver.duration_s;
     let began = pieces(&scene.drive).take_while(|p| p.from_s == 0.0 || p.from_s < end);
@@ -164,14 +156,12 @@ pub fn final_load(scene: &Scene) -> f64 {
 
 /// Returns the time from which load and speed of a run of `scene` are [`final_load`] and the [final
 /// speed](speed_profile::final_rad_s), s.
-#[must_use]
 pub fn final_from_s(scene: &Scene) -> f64 {
     let ramp = first_piece(&scene.drive).settled_s();
     last_change_s(scene).map_or(ramp, |last| last.max(ramp))
 }
 
 /// Returns a message on changes that come after the end of the run, if any.
-#[must_use]
 pub fn unreached(scene: &Scene) -> Option<String> {
     let (end, drive) = (scene.solver.duration_s, &scene.drive);
     let loads = drive.load_changes.iter().map(|c| c.time_s);

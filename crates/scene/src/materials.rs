@@ -47,7 +47,6 @@ pub const MATERIALS: &[Material] = materials! {
 };
 
 /// Returns the material of that name.
-#[must_use]
 pub fn material(name: &str) -> Option<&'static Material> {
     MATERIALS.iter().find(|material| material.name == name)
 }

@@ -534,14 +534,12 @@ static PAPER: LazyLock<Scene> = LazyLock::new(|| {
 
 impl Scene {
     /// Returns the published gearbox, the preset `paper`.
-    #[must_use]
     pub fn paper() -> Self {
         PAPER.clone()
     }
 
     /// Returns the moment of inertia of the output shaft with output pins, cranks or ring pins on its circle, kg m^2. Pins
     /// that do not turn by themselves turn with the output.
-    #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
         let (count, pin, radius, turns) = match self.drive.output {
@@ -565,19 +563,16 @@ impl Scene {
 
 impl Gear {
     /// Returns the number of lobes zs of a disc.
-    #[must_use]
     pub fn lobes(&self) -> usize {
         self.external_sleeves - 1
     }
 
     /// Returns e zs, m: the largest lever of a pin's force about a disc's centre.
-    #[must_use]
     pub fn lever_m(&self) -> f64 {
         self.eccentricity_m * self.lobes() as f64
     }
 
     /// Returns R = e zk/m, m: radius of the ring pins' circle without backlash.
-    #[must_use]
     pub fn pitch_radius_m(&self) -> f64 {
         self.eccentricity_m * self.external_sleeves as f64 / self.shortening
     }
@@ -585,7 +580,6 @@ impl Gear {
 
 impl Solver {
     /// Returns the sample times 0, sample_s, 2 sample_s, ... and the end.
-    #[must_use]
     pub fn sample_times_s(&self) -> Vec<f64> {
         let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
         let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
@@ -611,7 +605,6 @@ pub struct PlusMinus {
 
 impl PlusMinus {
     /// Returns the standard uncertainty of a value distributed uniformly over the interval.
-    #[must_use]
     pub fn standard(self) -> f64 {
         self.plus_minus / 3.0_f64.sqrt()
     }

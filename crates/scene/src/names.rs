@@ -9,20 +9,17 @@ use crate::materials::MATERIALS;
 pub const AUTO: &str = "auto";
 
 /// Returns the names of normal contact laws.
-#[must_use]
 pub fn laws() -> Vec<&'static str> {
     LAWS.iter().map(|law| law.name).collect()
 }
 
 /// Returns the names of integrators.
-#[must_use]
 pub fn integrators() -> Vec<&'static str> {
     let methods = METHODS.iter().map(|method| method.name);
     std::iter::once(AUTO).chain(methods).collect()
 }
 
 /// Returns the names of materials.
-#[must_use]
 pub fn materials() -> Vec<&'static str> {
     MATERIALS.iter().map(|material| material.name).collect()
 }

@@ -122,7 +122,6 @@ impl Scene {
     }
 
     /// Returns the scene as TOML with every key.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         // Tables of numbers and strings always serialise; floats keep all their digits.
         toml::to_string(self).unwrap_or_default()

@@ -84,7 +84,6 @@ pub const PRESETS: &[Preset] = presets![
 ];
 
 /// Returns the text of a preset.
-#[must_use]
 pub fn preset(name: &str) -> Option<&'static str> {
     let mut all = PRESETS.iter();
     Some(all.find(|preset| preset.name == name)?.text)

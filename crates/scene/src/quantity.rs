@@ -41,7 +41,6 @@ const UNITS: [(&str, &str, f64); 29] = [
 
 /// Converts a typed number with a unit to the unit `wanted`, both as in `UNITS`; a number without a unit is returned as it is.
 /// `None` if the text is no number, or its unit is unknown or of another dimension.
-#[must_use]
 pub fn read(typed: &str, wanted: &str) -> Option<f64> {
     let typed = typed.trim();
     let is_number = |c: char| c.is_ascii_digit() || "+-.,eE".contains(c);

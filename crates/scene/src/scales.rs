@@ -40,7 +40,6 @@ pub struct Scales {
 
 /// Returns the free rotation of a disc to one side by backlash and modification, rad, for pins without errors at all
 /// angles: d sqrt(1 - m^2)/(e zs) for a backlash alone, 0 for an overlap.
-#[must_use]
 pub fn free_play(gear: &Gear) -> f64 {
     let m = gear.shortening;
     if gear.modification.is_none() {
@@ -56,13 +55,11 @@ pub fn free_play(gear: &Gear) -> f64 {
 }
 
 /// Returns an upper bound of the free rotation of a disc, rad: [`free_play`] and the largest effect of individual errors.
-#[must_use]
 pub fn largest_play(gear: &Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
 }
 
 /// Returns the largest free rotation of the output in its holes, rad.
-#[must_use]
 pub fn largest_hole_play(gear: &Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
     (clearance.max(0.0) + gear.errors.largest_of_holes_m(gear)) / gear.internal_circle_radius_m
@@ -75,19 +72,16 @@ const ROUNDING: f64 = 1e-11;
 impl Scales {
     /// Returns the force above which a contact counts as pressing, N. Smaller forces are rounding errors of pins that just
     /// touch, as all do in the ideal mesh of a gear without backlash.
-    #[must_use]
     pub fn pressing_n(&self) -> f64 {
         ROUNDING * self.external_force_n
     }
 
     /// Returns the torque below which there is only rounding, N m.
-    #[must_use]
     pub fn rounding_n_m(&self) -> f64 {
         ROUNDING * self.wheel_torque_n_m
     }
 
     /// Returns the scales of a scene with values in range.
-    #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let hertz = hertz(scene);
@@ -133,7 +127,6 @@ impl Scales {
 
     /// Returns the time after which free vibrations of the slowest mode have fallen to a thousandth, s: with damping
     /// proportional to stiffness a mode decays at the rate omega^2 C/(2 k). `None` without damping.
-    #[must_use]
     pub fn settling_s(&self, damping_n_s_m: f64) -> Option<f64> {
         let [slow, _] = self.modes_rad_s;
         let rate = 0.5 * slow * slow * damping_n_s_m / self.contact_stiffness_n_m;

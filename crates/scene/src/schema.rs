@@ -14,7 +14,6 @@ pub const TITLE: &str = "A scene of pinwheel";
 /// let wheels = &schema["properties"]["gear"]["properties"]["wheels"];
 /// assert_eq!((wheels["type"].as_str(), wheels["minimum"].as_u64()), (Some("integer"), Some(1)));
 /// ```
-#[must_use]
 pub fn schema() -> Value {
     let mut root = table();
     for row in KEYS {

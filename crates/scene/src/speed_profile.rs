@@ -11,7 +11,6 @@ use pinwheel_mbs::Motion;
 use crate::{Drive, Scene};
 
 /// Returns the motions of the input in their order, the first from 0 on: for each change its ramp and the motion after it.
-#[must_use]
 pub fn motions(drive: &Drive) -> Vec<Motion> {
     let mut all = vec![Motion {
         rate: drive.input_speed_rad_s,
@@ -40,7 +39,6 @@ pub fn motions(drive: &Drive) -> Vec<Motion> {
 }
 
 /// Returns the motion of the input at time `t` (s); at an end of a ramp the one that begins.
-#[must_use]
 pub fn motion_at(drive: &Drive, t: f64) -> Motion {
     let motions = motions(drive);
     let begun = motions.iter().rfind(|motion| motion.from_s <= t);
@@ -48,13 +46,11 @@ pub fn motion_at(drive: &Drive, t: f64) -> Motion {
 }
 
 /// Returns the lead of the input's angle over a motion at its first speed at time `t` (s), rad; 0 without changes.
-#[must_use]
 pub fn lead_rad(drive: &Drive, t: f64) -> f64 {
     motion_at(drive, t).at(t).0 - drive.input_speed_rad_s * t
 }
 
 /// Returns the speed of largest magnitude, rad/s: steps must resolve it, and designs are judged at it.
-#[must_use]
 pub fn fastest_rad_s(drive: &Drive) -> f64 {
     let speeds = drive.speed_changes.iter().map(|c| c.input_speed_rad_s);
     speeds.fold(drive.input_speed_rad_s, |most, speed| {
@@ -67,7 +63,6 @@ pub fn fastest_rad_s(drive: &Drive) -> f64 {
 }
 
 /// Returns the speed at the end of a run of `scene`, rad/s.
-#[must_use]
 pub fn final_rad_s(scene: &Scene) -> f64 {
     let end = scene.solver.duration_s;
     motion_at(&scene.drive, end).at(end).1

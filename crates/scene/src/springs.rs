@@ -14,7 +14,6 @@ use crate::wall::hole_to_profile_m;
 const LEAST_DEPTH: f64 = 1e-5;
 
 /// Returns the depth of contact that replaces the load of an unloaded gear, m.
-#[must_use]
 pub fn least_depth(scene: &Scene) -> f64 {
     LEAST_DEPTH * scene.gear.external_sleeve_radius_m
 }
@@ -62,7 +61,6 @@ pub fn state_depth(scene: &mut Scene) {
 }
 
 /// Returns the parameters of a scene's law.
-#[must_use]
 pub fn law_parameters(scene: &Scene) -> LawParameters {
     let contact = &scene.contact;
     let pin = Material {
@@ -98,19 +96,16 @@ pub fn law_parameters(scene: &Scene) -> LawParameters {
 }
 
 /// Returns Hertz' stiffness for a scene's materials and law.
-#[must_use]
 pub fn hertz(scene: &Scene) -> HertzStiffness {
     law_parameters(scene).hertz(&scene.contact.law)
 }
 
 /// Returns the law of a scene; `None` for an unknown name.
-#[must_use]
 pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
 }
 
 /// The law that a scene names, with the bending of its output pins and the seats of its ring pins.
-#[must_use]
 pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
     Some(PinLaw {
         law: law(scene)?,
@@ -128,7 +123,6 @@ pub struct Spring {
 
 impl Spring {
     /// Returns the spring for Hertz' stiffness `hertz`, N/m^1.5; the paper's law if the scene names an unknown one.
-    #[must_use]
     pub fn of(scene: &Scene, hertz: f64) -> Self {
         let plain = || PaperLaw {
             damping: 0.0,
@@ -141,13 +135,11 @@ impl Spring {
     }
 
     /// Returns F at rest, N.
-    #[must_use]
     pub fn force(&self, depth: f64) -> f64 {
         self.law.elastic(self.hertz, depth)
     }
 
     /// Returns delta under a force, m, at least `least`.
-    #[must_use]
     pub fn depth(&self, force_n: f64, least: f64) -> f64 {
         if force_n > 0.0 {
             self.law.depth(self.hertz, force_n).max(least)
@@ -157,20 +149,17 @@ impl Spring {
     }
 
     /// Returns dF/d delta, N/m.
-    #[must_use]
     pub fn tangent(&self, depth: f64) -> f64 {
         self.law.tangent(self.hertz, depth)
     }
 }
 
 /// Returns 4 T/(e zs zk): the largest force of a ring pin on a disc under the torque T, N.
-#[must_use]
 pub fn external_force(gear: &Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.lever_m() * gear.external_sleeves as f64)
 }
 
 /// Returns 4 T/(zi R_w): the largest force of an output pin on a disc under the torque T, N.
-#[must_use]
 pub fn internal_force(gear: &Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.internal_sleeves as f64 * gear.internal_circle_radius_m)
 }

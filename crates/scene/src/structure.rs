@@ -47,7 +47,6 @@ fn seat_n_m(length_m: f64, bodies: [Material; 2], force_n: f64) -> f64 {
 impl Scene {
     /// Distances of the discs' middles from the flange that holds the output pins, m, nearest first, and the length of the pins
     /// between flanges on either side, m.
-    #[must_use]
     pub fn output_pins_m(&self) -> (Vec<f64>, f64) {
         let width = self.gear.face_width_m.unwrap_or(self.contact.line_length_m);
         let gap = self.bearings.internal_sleeve_gap_m.unwrap_or_default();
@@ -59,7 +58,6 @@ impl Scene {
 
     /// Influence coefficients of an output pin, m/N: its displacement at a disc, row by row, under a unit force of each disc.
     /// `None`: output pins are no beams.
-    #[must_use]
     pub fn pin_influence_m_n(&self) -> Option<Vec<Vec<f64>>> {
         let diameter = self.structure.output_pin_diameter_m?;
         let held = self.bearings.internal_sleeves_held?;
@@ -103,7 +101,6 @@ impl Scene {
     }
 
     /// Stiffness of a ring pin's seat in series with its contacts, N/m; `None`: rigid.
-    #[must_use]
     pub fn ring_seat_n_m(&self) -> Option<f64> {
         let pin = law_parameters(self).pin;
         let named = self.structure.housing_material.as_deref();
@@ -117,7 +114,6 @@ impl Scene {
     }
 
     /// Twist of the output beyond its pins under a torque (N m), rad: of carrier and flange, plate and input shaft.
-    #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
         let structure = &self.structure;
         let flange = self.bearings.output_torsion_n_m_rad;
@@ -135,7 +131,6 @@ impl Scene {
     }
 
     /// Parts that give way and temperatures, in words, each with how it is modelled.
-    #[must_use]
     pub fn structure_in_words(&self) -> Vec<(String, String)> {
         let structure = &self.structure;
         let mut found = Vec::new();

@@ -52,7 +52,6 @@ impl Scene {
     /// let grown = -warm.gear.modification.radial_m / scene.gear.pitch_radius_m();
     /// assert!((grown - 40.0 * (23e-6 - 11.5e-6)).abs() < 1e-12);
     /// ```
-    #[must_use]
     pub fn at_work(&self) -> Cow<'_, Self> {
         if self.temperature.is_none() && self.structure.ring_slot_clearance_m.is_none() {
             return Cow::Borrowed(self);

@@ -95,7 +95,6 @@ pub struct Toleranced {
 
 impl Toleranced {
     /// Returns the values of a figure with the key at its least and its largest.
-    #[must_use]
     pub fn values(&self, def: &FigureDef) -> Option<[f64; 2]> {
         let value = |end: &Vec<Figure>| end.iter().find(|figure| figure.is(def))?.value;
         Some([value(&self.ends[0])?, value(&self.ends[1])?])
@@ -109,7 +108,6 @@ impl Toleranced {
 
 impl Fits {
     /// Returns the key whose interval changes a figure most, if any.
-    #[must_use]
     pub fn first(&self, def: &FigureDef) -> Option<&Toleranced> {
         let size = |key: &&Toleranced| key.moves(def).abs();
         let keys = self.keys.iter().filter(|key| size(key) > 0.0);
@@ -134,7 +132,6 @@ fn shares(figure: &Figure, band: Option<[f64; 2]>) -> Option<[f64; 2]> {
 
 impl Bands {
     /// Returns the figure of a definition under the scene's law.
-    #[must_use]
     pub fn get(&self, def: &FigureDef) -> Option<&Figure> {
         self.figures.iter().find(|figure| figure.is(def))
     }
@@ -167,7 +164,6 @@ impl Bands {
     }
 
     /// True if the figures under the scene's law are within their bands.
-    #[must_use]
     pub fn holds_own(&self) -> bool {
         let holds = |[low, high]: [f64; 2]| low <= 1.0 + ROUNDING && high >= 1.0 - ROUNDING;
         let figures = self.figures.iter();
@@ -176,7 +172,6 @@ impl Bands {
     }
 
     /// Returns cuts, m, and the values of a figure.
-    #[must_use]
     pub fn fitted(&self, def: &FigureDef) -> Vec<(f64, f64)> {
         let of = |fit: &Fit| {
             let figure = fit.figures.iter().find(|figure| figure.is(def))?;
@@ -248,7 +243,6 @@ pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, Stu
 
 /// Returns the reason why a scene gets no bands: its ring is the output, it names no laws, or its contacts were made softer
 /// or stiffer without naming laws.
-#[must_use]
 pub fn declined(scene: &Scene) -> Option<&'static str> {
     match scene.contact.band_laws.as_deref() {
         _ if scene.drive.output == OutputPart::Ring => Some("drive.output is \"ring\""),

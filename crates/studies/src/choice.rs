@@ -76,9 +76,20 @@ pub fn engines(
         engines.extend(recorded::missing(scene));
         return Ok(engines);
     }
+    let names = names.iter().map(|name| name.as_ref().trim());
+    distinct(names.map(|name| find_or_recorded(name, scene)))
+}
+
+/// Returns the engines of several choices.
+///
+/// # Errors
+/// First failed choice, or an engine that is chosen twice.
+pub fn distinct(
+    chosen: impl Iterator<Item = Result<Box<dyn Engine>, ChoiceError>>,
+) -> Result<Vec<Box<dyn Engine>>, ChoiceError> {
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
-    for name in names {
-        let engine = find_or_recorded(name.as_ref().trim(), scene)?;
+    for engine in chosen {
+        let engine = engine?;
         if engines.iter().any(|other| other.name() == engine.name()) {
             return Err(ChoiceError::Twice(engine.name().to_owned()));
         }
@@ -106,7 +117,6 @@ pub struct Listed {
 }
 
 /// Returns the engines of this build.
-#[must_use]
 pub fn listed() -> Vec<Listed> {
     let one = |engine: &dyn Engine| {
         let info = engine.info();

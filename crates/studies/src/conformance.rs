@@ -65,13 +65,11 @@ pub struct Outcome {
 
 impl Outcome {
     /// True if no trial failed.
-    #[must_use]
     pub fn passed(&self) -> bool {
         self.count(State::Failed) == 0
     }
 
     /// How many findings are in a state.
-    #[must_use]
     pub fn count(&self, state: State) -> usize {
         self.findings.iter().filter(|f| f.state == state).count()
     }
@@ -85,7 +83,6 @@ impl Outcome {
     }
 
     /// For CI systems.
-    #[must_use]
     pub fn suite(&self) -> TestSuite {
         let answer = junit::case(&self.answer, junit::passed(self.passed()), &self.answer);
         let findings = self.findings.iter().map(|finding| {

@@ -365,13 +365,11 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Diff> {
 
 impl DesignDiff {
     /// True if both scenes are equal except for their names.
-    #[must_use]
     pub fn identical(&self) -> bool {
         self.changed.is_empty()
     }
 
     /// Returns the first unfinished run with its reason.
-    #[must_use]
     pub fn broken(&self) -> Option<(&str, String)> {
         let mut each = self.participants.iter();
         each.find_map(|p| Some((p.name.as_str(), p.status.reason()?)))

@@ -1,10 +1,13 @@
 //! Errors of a study.
 
+use std::path::PathBuf;
+
 use pinwheel_engines::{Cancelled, Ending, Engine};
-use pinwheel_scene::Scene;
+use pinwheel_files::FileError;
+use pinwheel_scene::{Scene, SceneError};
 
 use crate::choice::ChoiceError;
-use crate::output::OutputError;
+use crate::output::{OutputError, reason};
 
 /// Reason for a study without result.
 #[derive(Debug, thiserror::Error)]
@@ -40,7 +43,7 @@ pub enum StudyError {
     Output(#[from] OutputError),
     /// Scene that cannot be loaded.
     #[error(transparent)]
-    Load(#[from] pinwheel_scene::SceneError),
+    Load(#[from] SceneError),
     /// Scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {
@@ -56,6 +59,36 @@ pub enum StudyError {
         scene: String,
         /// Failure of the run.
         reason: String,
+    },
+    /// File of a study that cannot be read, or is incomplete.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Refused scene of a sweep's run.
+    #[error("run {number} ({values}): {source}")]
+    Run {
+        /// Number of the run, from 1.
+        number: usize,
+        /// Values of the varied keys.
+        values: String,
+        /// Fault of the scene.
+        source: Box<SceneError>,
+    },
+    /// File of a journal that cannot be read or written.
+    #[error("{}: {}; check the free space and the permission to write", .0.display(), reason(.1))]
+    Io(PathBuf, #[source] std::io::Error),
+    /// Runs of an earlier attempt, without a choice of their treatment.
+    #[error("{} holds runs of an earlier attempt", place.display())]
+    Begun {
+        /// Folder of the journal.
+        place: PathBuf,
+    },
+    /// Stop by the user; finished runs are kept.
+    #[error("stopped after {finished} of {runs} runs")]
+    Stopped {
+        /// Number of stored runs.
+        finished: usize,
+        /// Number of all runs.
+        runs: usize,
     },
     /// Recording failed.
     #[error(transparent)]

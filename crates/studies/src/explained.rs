@@ -19,7 +19,6 @@ pub struct Explanation<'a> {
 }
 
 /// Explains the scene of `gearbox`.
-#[must_use]
 pub fn explain(gearbox: &Gearbox) -> Explanation<'_> {
     let scene = &gearbox.scene;
     Explanation {

@@ -77,7 +77,6 @@ pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), Outp
 
 /// Returns the findings as a suite, then every engine's run as a case, and every pair's statements. A finding without
 /// evidence is a failure.
-#[must_use]
 pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let scene = &comparison.context.scene;
     let findings = comparison.findings.iter();
@@ -127,7 +126,6 @@ fn ended(found: &Assessment) -> (State, String) {
 }
 
 /// Returns every scene and solver of a baseline as cases.
-#[must_use]
 pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
     let holds = |verdict| !matches!(verdict, baseline::Verdict::Worse | baseline::Verdict::New);
     let cases = check.cases.iter().map(|found| {

@@ -121,7 +121,6 @@ impl Motion {
 }
 
 /// Returns the sampling interval of a scene's motion, and the time shown on a page, s.
-#[must_use]
 pub fn sampled(scene: &Scene) -> (f64, f64) {
     let turn = TAU / speed_profile::fastest_rad_s(&scene.drive).abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
@@ -133,7 +132,6 @@ pub fn sampled(scene: &Scene) -> (f64, f64) {
 }
 
 /// True if discs move relative to their eccentrics.
-#[must_use]
 pub fn floats(scene: &Scene) -> bool {
     scene.bearings.eccentric.is_some()
 }
@@ -156,7 +154,6 @@ fn needed(scene: &Scene) -> Vec<String> {
 }
 
 /// Returns the channels of a motion in their order, each with its factor: torques, angles in rad, forces, offsets in mm.
-#[must_use]
 pub fn channels(scene: &Scene) -> Vec<(String, f64)> {
     let gear = &scene.gear;
     let mut channels = vec![

@@ -34,7 +34,6 @@ pub struct Provenance {
 
 impl Provenance {
     /// Describes this program on this machine, today.
-    #[must_use]
     pub fn here(command: impl Into<String>) -> Self {
         Self {
             version: VERSION,
@@ -45,7 +44,6 @@ impl Provenance {
     }
 
     /// Returns the versions for a page, with those of the engines after Pinwheel's.
-    #[must_use]
     pub fn versions(&self) -> Vec<(String, String)> {
         vec![("pinwheel".to_owned(), self.version.to_owned())]
     }
@@ -111,7 +109,6 @@ impl Machine {
     }
 
     /// Returns processor and operating system.
-    #[must_use]
     pub fn named(&self) -> String {
         format!("{}, {}", self.processor, self.operating_system)
     }

@@ -48,7 +48,6 @@ pub struct Reference {
 }
 
 /// Returns the settings of the second run and the reference of a scene, for a run by the method `by`.
-#[must_use]
 pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     let contact = &scene.contact;
     let has_friction = scene.slides();

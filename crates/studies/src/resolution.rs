@@ -48,13 +48,11 @@ pub struct Resolution {
 
 impl Resolution {
     /// True if the forces and the driver's torque change by no more than `most`; false without a second run.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.moved.is_some_and(|d| d.worst() <= self.most)
     }
 
     /// Returns the evidence as one sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let shown = match self.moved {
             Some(d) => format!(

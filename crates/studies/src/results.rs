@@ -26,7 +26,6 @@ pub struct Results {
 }
 
 /// Returns the start of a run's results, s: the last window of its energy balance, or half of its duration.
-#[must_use]
 pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
     let account = run.stats.energy.last();
     account.map_or(0.5 * scene.solver.duration_s, |audit| audit.from_s)
@@ -35,7 +34,6 @@ pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
 impl Results {
     /// Computes the results of `run` from `from_s` on ([`from_s`]) for its available channels. The shares are relative
     /// uncertainties of forces and torque; `uncertainty`: their source; `bands`: of the forces by contact laws.
-    #[must_use]
     pub fn of(
         run: &Run,
         scene: &CheckedScene,
@@ -114,13 +112,11 @@ impl Results {
     }
 
     /// Returns the figure of a definition.
-    #[must_use]
     pub fn get(&self, def: &FigureDef) -> Option<&Figure> {
         self.figures.iter().find(|figure| figure.is(def))
     }
 
     /// Returns a statistic of a quantity of the time series: `mean`, `min`, `max` or `peak`.
-    #[must_use]
     pub fn statistic(&self, kind: &str, quantity: &str) -> Option<&Figure> {
         let key = format!("{kind}_{quantity}");
         self.figures.iter().find(|figure| figure.def.key == key)

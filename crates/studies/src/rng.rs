@@ -6,7 +6,6 @@ pub struct Rng(u64);
 
 impl Rng {
     /// Returns a generator with a seed.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }

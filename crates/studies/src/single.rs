@@ -65,7 +65,6 @@ const TRIED_WITHIN: Duration = Duration::from_secs(1);
 
 /// Returns the remedy for a run that diverged or whose step does not resolve its scene: `auto`, first tried if that takes
 /// under a second. The text continues an error message after a semicolon.
-#[must_use]
 pub fn remedy(gearbox: &Gearbox, track: SharedModel) -> String {
     if track != SharedModel::Native {
         return "try a smaller solver.step_s, or the engine native-resolved".to_owned();
@@ -93,7 +92,6 @@ pub(crate) fn save(time_series: &TimeSeries, path: &Path) -> Result<(), OutputEr
 }
 
 /// Returns the name of the time series' file for a run with this ending.
-#[must_use]
 pub fn file(ending: &Ending) -> &'static str {
     if ending.is_finished() {
         "courses.csv"
@@ -222,20 +220,17 @@ impl Outcome {
     }
 
     /// Returns time and quantity of a divergence in words; `None` for other endings.
-    #[must_use]
     pub fn diverged(&self) -> Option<String> {
         let ending = &self.run.ending;
         (!ending.is_finished()).then(|| format!("{} {ending}", self.engine))
     }
 
     /// Returns the results of the run.
-    #[must_use]
     pub fn results(&self) -> Results {
         self.results_from(results::from_s(&self.run, &self.scene))
     }
 
     /// Returns the results from the sample `from_s` on, without those of the energy balance's window.
-    #[must_use]
     pub fn results_from(&self, from_s: f64) -> Results {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);
         let estimated = self.resolution.as_ref().and_then(|r| r.error);
@@ -249,7 +244,6 @@ impl Outcome {
     }
 
     /// Returns a message with a remedy if the step or tolerance does not resolve the scene.
-    #[must_use]
     pub fn unresolved(&self, gearbox: &Gearbox) -> Option<String> {
         let resolution = self.resolution.as_ref();
         if let Some(resolution) = resolution.filter(|resolution| !resolution.holds()) {

@@ -27,7 +27,6 @@ pub const INTERNAL_FORCE: &str = "internal_sleeve_force_n";
 pub const HEAD: [&str; 3] = [INPUT_TORQUE, OUTPUT_TORQUE, OUTPUT_ANGLE];
 
 /// Returns the name of column `number` of a group.
-#[must_use]
 pub fn numbered(group: &str, number: usize) -> String {
     format!("{group}_{number}")
 }

@@ -48,7 +48,6 @@ pub enum Rough {
 
 impl Rough {
     /// Returns the order that the feature allows.
-    #[must_use]
     pub fn order(self) -> f64 {
         match self {
             Self::Kinks => 2.5,
@@ -102,7 +101,6 @@ pub enum Method {
 
 impl Method {
     /// Returns the method's stated order.
-    #[must_use]
     pub fn stated_order(self) -> f64 {
         match self {
             Self::Step { order, .. } => order,
@@ -111,7 +109,6 @@ impl Method {
     }
 
     /// Returns the highest order used: the lower of the method's and the scene's.
-    #[must_use]
     pub fn allowed_order(self) -> f64 {
         match self {
             Self::Step { order, rough } => rough.map_or(order, |rough| rough.order().min(order)),
@@ -199,7 +196,6 @@ pub enum Basis {
 
 impl Basis {
     /// True if the size of u was confirmed, not only guarded by a larger factor of safety.
-    #[must_use]
     pub fn is_confirmed(self) -> bool {
         matches!(self, Self::Observed | Self::Rounding | Self::Stated)
     }
@@ -222,7 +218,6 @@ pub struct Estimate {
 
 impl Estimate {
     /// Returns an uncertainty known from elsewhere.
-    #[must_use]
     pub fn stated(u: f64) -> Self {
         Self {
             u,
@@ -234,7 +229,6 @@ impl Estimate {
     }
 
     /// Returns the uncertainty of runs that differ by `apart`, when the evidence favours no run.
-    #[must_use]
     pub fn spread(apart: f64, floor: f64) -> Self {
         Self {
             basis: Basis::Spread,
@@ -245,7 +239,6 @@ impl Estimate {
 
     /// Returns the factor by which the step (or tolerance) must fall for u to fall to `target`, at least 1; `None` where no
     /// refinement helps (rounding), or the order is unknown.
-    #[must_use]
     pub fn refinement_for(&self, target: f64) -> Option<f64> {
         if matches!(self.basis, Basis::Rounding) {
             return None;
@@ -266,7 +259,6 @@ pub struct Unresolved {
 
 impl Unresolved {
     /// Pairs a reason with a remedy.
-    #[must_use]
     pub fn new(reason: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             reason: reason.into(),
@@ -288,7 +280,6 @@ pub struct Step {
 ///
 /// Solves `e32/e21 = r21^p (r32^p - 1) / (r21^p - 1)`, which for equal ratios is `ln(e32/e21) / ln r`.
 /// The result lies between -20 and 20.
-#[must_use]
 pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
     let sound = |s: Step| s.ratio > 1.0 && s.difference > 0.0 && s.difference.is_finite();
     if !sound(fine) || !sound(coarse) {

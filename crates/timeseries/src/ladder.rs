@@ -56,7 +56,6 @@ struct Gap {
 
 impl Ladder {
     /// Returns a level's setting over the finest run's.
-    #[must_use]
     pub fn refinement(&self, level: &Level) -> f64 {
         level.setting / self.finest
     }

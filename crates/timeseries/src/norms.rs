@@ -29,13 +29,11 @@ pub struct View<'a> {
 
 impl<'a> View<'a> {
     /// Makes a view of channels of the same length.
-    #[must_use]
     pub fn new(channels: Vec<&'a [f64]>) -> Self {
         Self { channels }
     }
 
     /// Selects the channels `names` of `time_series` over the samples `window`; `None` if a channel is missing or too short.
-    #[must_use]
     pub fn of(
         time_series: &'a TimeSeries,
         names: &[impl AsRef<str>],
@@ -47,20 +45,17 @@ impl<'a> View<'a> {
     }
 
     /// Selects the forces of all pins over the samples `window`.
-    #[must_use]
     pub fn forces(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         let groups = FORCES.iter().flat_map(|prefix| time_series.group(prefix));
         Self::new(groups.filter_map(|c| c.get(window.clone())).collect())
     }
 
     /// Selects the driver's torque over the samples `window`; empty if the time series lacks it.
-    #[must_use]
     pub fn driver_torque(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         Self::of(time_series, &[columns::INPUT_TORQUE], window).unwrap_or(Self::new(Vec::new()))
     }
 
     /// The channels.
-    #[must_use]
     pub fn channels(&self) -> &[&'a [f64]] {
         &self.channels
     }
@@ -71,13 +66,11 @@ impl<'a> View<'a> {
     }
 
     /// Number of values.
-    #[must_use]
     pub fn count(&self) -> usize {
         self.channels.iter().map(|channel| channel.len()).sum()
     }
 
     /// True if both have the same number of channels of the same lengths.
-    #[must_use]
     pub fn same_shape(&self, other: &Self) -> bool {
         let (own, others) = (self.channels.iter(), other.channels.iter());
         own.map(|channel| channel.len())
@@ -85,13 +78,11 @@ impl<'a> View<'a> {
     }
 
     /// Largest magnitude; `None` without values or with one that is not finite.
-    #[must_use]
     pub fn peak(&self) -> Option<f64> {
         peak(self.values())
     }
 
     /// Root mean square; `None` without values or with one that is not finite.
-    #[must_use]
     pub fn rms(&self) -> Option<f64> {
         rms(self.values(), self.peak()?)
     }
@@ -102,7 +93,6 @@ impl<'a> View<'a> {
     }
 
     /// Mean; `None` without values or with one that is not finite.
-    #[must_use]
     pub fn mean(&self) -> Option<f64> {
         Some(Statistics::of(self)?.mean)
     }
@@ -116,7 +106,6 @@ impl<'a> From<&'a [f64]> for View<'a> {
 
 /// Returns the relative L2 distance of `a` from the reference `b`, whose norm is at least that of `least` in one channel at
 /// every sample. 0 if both are zero, 1 if only `b` and `least` are; NaN if either has no norm.
-#[must_use]
 pub fn relative_l2(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
     let least = least / (b.channels.len().max(1) as f64).sqrt();
     let off = peak(a.less(b)).and_then(|peak| rms(a.less(b), peak));
@@ -125,7 +114,6 @@ pub fn relative_l2(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
 
 /// Returns the largest difference of `a` from the reference `b` over the peak of `b`, which is at least `least`. 0, 1 and NaN
 /// as for [`relative_l2`].
-#[must_use]
 pub fn relative_linf(a: &View<'_>, b: &View<'_>, least: f64) -> f64 {
     share(peak(a.less(b)).filter(|_| a.same_shape(b)), b.peak(), least)
 }
@@ -188,7 +176,6 @@ pub struct Distance {
 impl Distance {
     /// Returns the distance of `a` from the reference `b` over their common samples. If `a` has fewer samples, its times must
     /// be among those of `b`. See [`relative_l2`].
-    #[must_use]
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
         let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
             .map_while(|row| row)
@@ -226,7 +213,6 @@ impl Distance {
 
     /// Returns the distance as an error of a run. The torque is a sum of forces times lever arms, so its error is at least
     /// theirs, even if two runs agree by accident.
-    #[must_use]
     pub fn torque_as_forces(&self) -> Self {
         Self {
             driver_torque: self.driver_torque.max(self.forces),
@@ -236,7 +222,6 @@ impl Distance {
     }
 
     /// Returns the larger of both L2 distances; NaN if either is NaN.
-    #[must_use]
     pub fn worst(&self) -> f64 {
         if self.forces.is_nan() || self.driver_torque.is_nan() {
             return f64::NAN;
@@ -245,13 +230,11 @@ impl Distance {
     }
 
     /// Adds another distance to each component.
-    #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self::of_each(|part| part(self) + part(other))
     }
 
     /// Raises each component to at least `least`.
-    #[must_use]
     pub fn at_least(&self, least: f64) -> Self {
         Self::of_each(|part| part(self).max(least))
     }
@@ -270,7 +253,6 @@ pub struct LoadMagnitude {
 
 impl LoadMagnitude {
     /// Returns the magnitudes over the run; NaN for a column that is missing or not finite.
-    #[must_use]
     pub fn of(time_series: &TimeSeries) -> Self {
         let whole = 0..time_series.len();
         let torque = View::driver_torque(time_series, whole.clone());
@@ -283,13 +265,11 @@ impl LoadMagnitude {
 }
 
 /// Mean; 0 without values.
-#[must_use]
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// Range of finite values, largest less smallest; 0 without any.
-#[must_use]
 pub fn range(values: &[f64]) -> f64 {
     extremes(&[values]).map_or(0.0, |[low, high]| high - low)
 }
@@ -322,7 +302,6 @@ fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
 }
 
 /// Largest magnitude of finite values; `None` otherwise.
-#[must_use]
 pub fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     let first = values.next().filter(|value| value.is_finite())?.abs();
     values.try_fold(first, |peak, value| {
@@ -338,7 +317,6 @@ fn power_of_two_below(value: f64) -> f64 {
 
 /// Root mean square of finite values whose largest magnitude is `peak`. Scaling by it keeps squares from overflow and
 /// underflow. `None` without values.
-#[must_use]
 pub fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
     let scale = power_of_two_below(peak);
     let (mut sum, mut count) = (0.0, 0usize);
@@ -367,7 +345,6 @@ pub struct Statistics {
 
 impl Statistics {
     /// Evaluates the statistics of a view; `None` without values or with one that is not finite.
-    #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
         let [min, max] = extremes(&view.channels)?;
         // Divided by a power of two near the largest magnitude, sums and squares neither overflow nor vanish.

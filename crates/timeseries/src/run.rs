@@ -23,7 +23,6 @@ pub enum SharedModel {
 
 impl SharedModel {
     /// Returns the word in reports and files.
-    #[must_use]
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Native => "native",
@@ -34,7 +33,6 @@ impl SharedModel {
     }
 
     /// Names the shared part, about which agreement is no evidence.
-    #[must_use]
     pub const fn shares(self) -> &'static str {
         match self {
             Self::Native => "equations",
@@ -157,7 +155,6 @@ pub struct EnergyAudit {
 impl EnergyAudit {
     /// Returns the remainder as a share of the larger work; `None` if the works are rounding of the account's largest energy
     /// `held_j`.
-    #[must_use]
     pub fn share(remainder_j: f64, driver_j: f64, load_j: f64, held_j: f64) -> Option<f64> {
         let work = driver_j.abs().max(load_j.abs());
         (work > ROUNDING * held_j).then_some(remainder_j / work)
@@ -166,7 +163,6 @@ impl EnergyAudit {
 
 impl EnergyAudit {
     /// Returns the overlap of the account's interval with `from_s` to `to_s`, as a share of the span of both together.
-    #[must_use]
     pub fn overlap(&self, from_s: f64, to_s: f64) -> f64 {
         let both = self.to_s.min(to_s) - self.from_s.max(from_s);
         both / (self.to_s.max(to_s) - self.from_s.min(from_s))
@@ -174,7 +170,6 @@ impl EnergyAudit {
 
     /// Returns the mean power at input shaft and load, W, from works, which include the signal between samples; `None` if the
     /// account covers another time.
-    #[must_use]
     pub fn mean_powers(&self, from_s: f64, to_s: f64) -> Option<[f64; 2]> {
         let time = self.to_s - self.from_s;
         let is_of = self.overlap(from_s, to_s) > SAME;
@@ -216,7 +211,6 @@ pub fn efficiency(power_in: f64, power_out: f64) -> Result<f64, &'static str> {
 
 /// Returns the mean power at input shaft and load over `samples`, W, for a driver speed of `speed_rad_s`; `None` if a channel
 /// is missing.
-#[must_use]
 pub fn mean_powers(
     time_series: &TimeSeries,
     samples: std::ops::Range<usize>,
@@ -273,7 +267,6 @@ pub enum Ending {
 
 impl Ending {
     /// Ending for a scene that the engine does not support.
-    #[must_use]
     pub fn unsupported(reason: impl ToString) -> Self {
         Self::Unsupported {
             reason: reason.to_string(),
@@ -281,7 +274,6 @@ impl Ending {
     }
 
     /// Ending for a missing part on this machine.
-    #[must_use]
     pub fn absent(reason: impl ToString) -> Self {
         Self::Absent {
             reason: reason.to_string(),
@@ -289,7 +281,6 @@ impl Ending {
     }
 
     /// Ending for a failed engine.
-    #[must_use]
     pub fn failed(reason: impl ToString) -> Self {
         Self::Failed {
             reason: reason.to_string(),
@@ -297,19 +288,16 @@ impl Ending {
     }
 
     /// True for complete time series.
-    #[must_use]
     pub fn is_finished(&self) -> bool {
         *self == Self::Finished
     }
 
     /// True if the engine ran but failed or diverged.
-    #[must_use]
     pub fn is_broken(&self) -> bool {
         matches!(self, Self::Diverged { .. } | Self::Failed { .. })
     }
 
     /// True if another attempt or machine may give another ending.
-    #[must_use]
     pub fn may_pass(&self) -> bool {
         matches!(
             self,
@@ -328,7 +316,6 @@ impl Ending {
     ];
 
     /// Returns one or two words for tables.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         Self::WORDS[match self {
             Self::Finished => 0,
@@ -341,7 +328,6 @@ impl Ending {
     }
 
     /// Returns the reason why the run is not judged; `None` when finished.
-    #[must_use]
     pub fn reason(&self) -> Option<String> {
         match self {
             Self::Finished => None,
@@ -354,7 +340,6 @@ impl Ending {
     }
 
     /// Describes the failure of a run in tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
-    #[must_use]
     pub fn failure(&self) -> Option<String> {
         match self {
             Self::Finished => None,

@@ -99,7 +99,6 @@ pub struct Between {
 
 impl Between {
     /// Makes an empty record of these quantities, with capacity for `samples` samples.
-    #[must_use]
     pub fn new(names: &[&'static str], samples: usize) -> Self {
         Self {
             names: names.to_vec(),
@@ -313,7 +312,6 @@ fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
 }
 
 /// Weights of the sixth difference at these times, with squares that sum to 1.
-#[must_use]
 pub fn sixth_difference(times: &[f64; POINTS]) -> [f64; POINTS] {
     let (from, h) = (times[3], times[4] - times[3]);
     let even = (1..POINTS).fold(true, |all, k| {
@@ -401,7 +399,6 @@ pub struct Figures {
 impl Figures {
     /// Evaluates the figures of all `channels` of the quantity `name` over the samples `window`; `None` without samples, or if
     /// a channel is missing or not finite.
-    #[must_use]
     pub fn of(
         time_series: &TimeSeries,
         name: &str,

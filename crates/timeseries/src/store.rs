@@ -96,25 +96,21 @@ impl TimeSeries {
     }
 
     /// Sample times, s.
-    #[must_use]
     pub fn time_s(&self) -> &[f64] {
         &self.time_s
     }
 
     /// Number of samples.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.time_s.len()
     }
 
     /// True without any sample.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }
 
     /// Selects samples by row; rows that do not exist or do not increase are left out.
-    #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let mut kept: Vec<usize> = Vec::with_capacity(rows.len());
         for &row in rows {
@@ -143,19 +139,16 @@ impl TimeSeries {
     }
 
     /// Record of the quantities between samples; `None` if the solver gave none.
-    #[must_use]
     pub fn between(&self) -> Option<&Between> {
         self.between.as_deref()
     }
 
     /// Returns all channels in the order in which they were added.
-    #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
     /// Returns the values of one channel.
-    #[must_use]
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
         self.index
             .get(name)
@@ -163,7 +156,6 @@ impl TimeSeries {
     }
 
     /// Returns the numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
-    #[must_use]
     pub fn group(&self, prefix: &str) -> Vec<&[f64]> {
         (0..)
             .map_while(|k| self.channel(&format!("{prefix}_{k}")))
@@ -171,7 +163,6 @@ impl TimeSeries {
     }
 
     /// Returns the sample indices with `from_s <= t <= to_s`, widened by a rounding at both ends.
-    #[must_use]
     pub fn window(&self, from_s: f64, to_s: f64) -> Range<usize> {
         // An open end does not indicate the rounding of times.
         let scale = if to_s.is_finite() { to_s } else { from_s };
@@ -184,7 +175,6 @@ impl TimeSeries {
 
 /// Splits `external_sleeve_force_n_3` into its group `external_sleeve_force_n` and index 3.
 /// A name without a numeric suffix is its own group.
-#[must_use]
 pub fn group_of(name: &str) -> (&str, Option<usize>) {
     match name.rsplit_once('_') {
         Some((prefix, digits))

@@ -127,19 +127,16 @@ pub enum Mark {
 
 impl Mark {
     /// [`Mark::Good`] or [`Mark::Bad`].
-    #[must_use]
     pub fn of(good: bool) -> Self {
         if good { Self::Good } else { Self::Bad }
     }
 
     /// [`Mark::Bad`] or no mark.
-    #[must_use]
     pub fn bad(bad: bool) -> Self {
         if bad { Self::Bad } else { Self::None }
     }
 
     /// [`Mark::Warn`] or no mark.
-    #[must_use]
     pub fn warn(warn: bool) -> Self {
         if warn { Self::Warn } else { Self::None }
     }
@@ -147,6 +144,7 @@ impl Mark {
 
 /// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`whole`](Self::whole) add a column, all other calls
 /// change the last one.
+#[must_use]
 #[derive(Debug)]
 pub struct TableOf<R> {
     rows: Vec<R>,
@@ -166,25 +164,21 @@ impl Table {
     }
 
     /// Number of rows.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
     /// True without rows.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Returns the column with the name `name`.
-    #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
 
     /// Returns the number in a row of the column `name`.
-    #[must_use]
     pub fn number(&self, name: &str, row: usize) -> Option<f64> {
         self.column(name)?.values.number(row)
     }
@@ -213,7 +207,6 @@ impl Table {
     }
 
     /// Returns a table of the columns `names`, in that order; names without a column are skipped.
-    #[must_use]
     pub fn only(&self, names: &[&str]) -> Self {
         let columns = names.iter().filter_map(|name| self.column(name).cloned());
         Self {
@@ -278,7 +271,6 @@ impl Column {
 
 impl Values {
     /// Number of values.
-    #[must_use]
     pub fn len(&self) -> usize {
         match self {
             Self::Number(values) => values.len(),
@@ -288,13 +280,11 @@ impl Values {
     }
 
     /// True without values.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Returns the number in a row; `None` for words.
-    #[must_use]
     pub fn number(&self, row: usize) -> Option<f64> {
         match self.cell(row) {
             Cell::Number(value) => Some(value),
@@ -304,7 +294,6 @@ impl Values {
     }
 
     /// Returns the words in a row; `None` for numbers.
-    #[must_use]
     pub fn words(&self, row: usize) -> Option<&str> {
         match self.cell(row) {
             Cell::Text(words) => Some(words),
@@ -313,7 +302,6 @@ impl Values {
     }
 
     /// Returns the value in a row with every digit; empty if missing.
-    #[must_use]
     pub fn text(&self, row: usize) -> String {
         match self.cell(row) {
             Cell::Number(value) => value.to_string(),
@@ -333,7 +321,6 @@ impl Values {
     }
 
     /// True if the values are numbers.
-    #[must_use]
     pub fn is_numeric(&self) -> bool {
         !matches!(self, Self::Text(_))
     }
@@ -341,7 +328,6 @@ impl Values {
 
 impl<R> TableOf<R> {
     /// Adds a column of words; empty ones are missing.
-    #[must_use]
     pub fn text<W: Into<String>>(self, name: &str, label: &str, of: impl Fn(&R) -> W) -> Self {
         let words = |row| Some(of(row).into()).filter(|words: &String| !words.is_empty());
         let values = self.rows.iter().map(words).collect();
@@ -349,7 +335,6 @@ impl<R> TableOf<R> {
     }
 
     /// Adds a column of numbers; values that are not finite are missing.
-    #[must_use]
     pub fn number<V: Into<Option<f64>>>(
         self,
         name: &str,
@@ -362,7 +347,6 @@ impl<R> TableOf<R> {
     }
 
     /// Adds a column of a design's numbers, for people only, with the digits of a data sheet.
-    #[must_use]
     pub fn figure<V: Into<Option<f64>>>(
         self,
         label: &str,
@@ -374,7 +358,6 @@ impl<R> TableOf<R> {
     }
 
     /// Adds a column of integers.
-    #[must_use]
     pub fn whole<V: TryInto<i64>>(
         self,
         name: &str,
@@ -387,7 +370,6 @@ impl<R> TableOf<R> {
     }
 
     /// Adds a column of existing values.
-    #[must_use]
     pub fn column(mut self, name: &str, label: &str, values: Values) -> Self {
         self.table.columns.push(Column {
             name: name.to_owned(),
@@ -399,49 +381,41 @@ impl<R> TableOf<R> {
     }
 
     /// Sets the unit of the last column, for people.
-    #[must_use]
     pub fn unit(self, unit: &str) -> Self {
         self.last(|_, column| unit.clone_into(&mut column.unit))
     }
 
     /// Sets the format of numbers of the last column.
-    #[must_use]
     pub fn shown(self, shown: Shown) -> Self {
         self.last(|_, column| column.shown = shown)
     }
 
     /// Sets the uncertainty of values of the last column.
-    #[must_use]
     pub fn uncertain(self, of: impl Fn(&R) -> Option<f64>) -> Self {
         self.last(|rows, column| column.uncertainty = rows.iter().map(of).collect())
     }
 
     /// Sets the texts that replace values of the last column for people; `None` keeps the value.
-    #[must_use]
     pub fn said<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
         self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())
     }
 
     /// Sets the marks of cells of the last column.
-    #[must_use]
     pub fn marked(self, of: impl Fn(&R) -> Mark) -> Self {
         self.last(|rows, column| column.marks = rows.iter().map(of).collect())
     }
 
     /// Sets the shades of cells of the last column, from 0 to 1.
-    #[must_use]
     pub fn shaded(self, of: impl Fn(&R) -> Option<f64>) -> Self {
         self.last(|rows, column| column.shades = rows.iter().map(of).collect())
     }
 
     /// Sets the places on the page to which cells of the last column link.
-    #[must_use]
     pub fn linked(self, of: impl Fn(&R) -> Option<String>) -> Self {
         self.last(|rows, column| column.links = rows.iter().map(of).collect())
     }
 
     /// Sets the colour and dash in charts for cells of the last column.
-    #[must_use]
     pub fn coloured(self, of: impl Fn(&R) -> Option<usize>) -> Self {
         self.last(|rows, column| column.colours = rows.iter().map(of).collect())
     }
@@ -454,13 +428,11 @@ impl<R> TableOf<R> {
     }
 
     /// Returns the table with the columns added so far.
-    #[must_use]
     pub fn so_far(&self) -> &Table {
         &self.table
     }
 
     /// Returns the table.
-    #[must_use]
     pub fn done(self) -> Table {
         self.table
     }

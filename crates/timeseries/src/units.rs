@@ -38,7 +38,6 @@ const UNITS: &[Row] = units! {
 };
 
 /// Returns the part of a name before the unit, and the unit for people; empty if unknown.
-#[must_use]
 pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
     let stem = |suffix: &str| name.strip_suffix(suffix).filter(|stem| !stem.is_empty());
     let mut known = UNITS.iter();

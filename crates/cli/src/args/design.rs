@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pinwheel::scene::as_built::{PROCESSES, process};
-use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
+use pinwheel::scene::catalogue::{self, Catalogue, MATERIALS, Material};
 use pinwheel::scene::quantity;
 
 use super::{OutArgs, SceneArgs};
@@ -119,10 +119,8 @@ fn ratio(typed: &str) -> Result<f64, String> {
 /// Returns a parser of a material by its name; the help lists the names.
 fn materials() -> impl TypedValueParser<Value = Material> {
     let names = MATERIALS.iter().map(|material| material.name);
-    PossibleValuesParser::new(names).try_map(|name| {
-        let found = MATERIALS.iter().find(|material| material.name == name);
-        found.copied().ok_or("unknown")
-    })
+    PossibleValuesParser::new(names)
+        .try_map(|name| catalogue::material(&name).copied().ok_or("unknown"))
 }
 
 impl InitArgs {

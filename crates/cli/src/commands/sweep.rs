@@ -1,8 +1,9 @@
 //! `pinwheel sweep`: a study described by a file.
 
 use pinwheel::pages;
+use pinwheel::studies::StudyError;
 use pinwheel::studies::folder::PAGE;
-use pinwheel::studies::sweep::{self, Begin, Guests, Journal, Plan, Sweep, SweepError, execute};
+use pinwheel::studies::sweep::{self, Begin, Guests, Journal, Plan, Sweep, execute};
 
 use crate::args::{self, SweepArgs};
 use crate::failure::Failure;
@@ -19,11 +20,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
     // Checked before any long run; writing comes at the end.
     let out = prepare()?.place().to_owned();
-    let begin = match (args.resume, args.out.force) {
-        (true, _) => Begin::Resume,
-        (_, true) => Begin::Over,
-        _ => Begin::Fresh,
-    };
+    let begin = Begin::of(args.resume, args.out.force);
     let journal = Journal::begin(&out, begin, &args::typed())?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
     let records = watched(|control| execute(&plan, &journal, jobs, control));
@@ -31,7 +28,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
         Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
             return Err(match fault {
-                SweepError::Stopped { .. } => Failure::stopped(),
+                StudyError::Stopped { .. } => Failure::stopped(),
                 fault => fault.into(),
             });
         }

@@ -25,7 +25,6 @@ pub struct Hysteresis {
 
 impl Hysteresis {
     /// Creates a law from `factor` chi and the reference impact speed v0, m/s (> 0).
-    #[must_use]
     pub fn new(factor: f64, impact_speed: f64) -> Self {
         Self {
             per_speed: factor / impact_speed,

@@ -85,7 +85,6 @@ pub struct Law {
 
 impl Law {
     /// Returns the law called `name`, with the parameters that it reads; `None` if there is no law of that name.
-    #[must_use]
     pub fn named(name: &str, parameters: &LawParameters) -> Option<Self> {
         let number = LAWS.iter().position(|info| info.name == name)?;
         let form = CONSTRUCTORS[number](parameters);
@@ -93,7 +92,6 @@ impl Law {
     }
 
     /// Returns the data of the law for users.
-    #[must_use]
     pub fn info(&self) -> &'static LawInfo {
         &LAWS[self.number]
     }
@@ -166,7 +164,6 @@ pub enum Shape {
 
 impl Shape {
     /// Returns `sphere`, `line` or `fitted`.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Sphere => "sphere",
@@ -176,7 +173,6 @@ impl Shape {
     }
 
     /// Returns the shape in words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Sphere => "balls that touch in a point; the face width does not enter",
@@ -218,20 +214,17 @@ pub struct LawInfo {
 }
 
 /// Returns the data of the law called `name`.
-#[must_use]
 pub fn law_info(name: &str) -> Option<&'static LawInfo> {
     LAWS.iter().find(|law| law.name == name)
 }
 
 /// Returns the hysteresis factor chi of a law for the restitution c in (0, 1]; `None` for laws outside the hysteresis family.
-#[must_use]
 pub fn hysteresis_factor(name: &str, restitution: f64) -> Option<f64> {
     let factor = law_info(name)?.restitution_factor?;
     Some(factor(restitution))
 }
 
 /// Evaluates STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.
-#[must_use]
 #[inline(always)]
 pub fn step<R: Real>(x: R, x0: f64, h0: f64, x1: f64, h1: f64) -> R {
     let c = |v: f64| x.like(v);

@@ -9,16 +9,13 @@ use crate::Real;
 /// settings.
 pub trait NormalLaw: Copy {
     /// Returns the normal force, N, never negative. `stiffness` K in N/m^1.5, `penetration` in m (> 0), `rate` in m/s.
-    #[must_use]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R;
 
     /// Returns the stored energy of a pair, J: the integral of the force at rate 0 over the penetration.
-    #[must_use]
     fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R;
 
     /// Returns the force against an increase of K along the profile, per unit of its slope: dU/dK, J/(N/m^1.5), of laws whose
     /// force is the full gradient of U(K, delta). A law returns `None` always or never: its force is normal only.
-    #[must_use]
     #[inline(always)]
     fn along<R: Real>(&self, _stiffness: R, _penetration: R) -> Option<R> {
         None
@@ -37,25 +34,21 @@ pub trait NormalLaw: Copy {
     }
 
     /// Returns the force at rest, N, above a ramp, at the penetration `depth` (m), where Hertz's stiffness is `hertz`.
-    #[must_use]
     fn elastic(&self, hertz: f64, depth: f64) -> f64 {
         self.stiffness(hertz) * depth.powf(self.exponent())
     }
 
     /// Returns the penetration, m, at which [`elastic`](Self::elastic) is `force`, N.
-    #[must_use]
     fn depth(&self, hertz: f64, force: f64) -> f64 {
         (force / self.stiffness(hertz)).powf(self.exponent().recip())
     }
 
     /// Returns the derivative of [`elastic`](Self::elastic) by the penetration, N/m.
-    #[must_use]
     fn tangent(&self, hertz: f64, depth: f64) -> f64 {
         self.exponent() * self.stiffness(hertz) * depth.powf(self.exponent() - 1.0)
     }
 
     /// Returns the force at `rate` and at rest, N, and the stored energy, J, which share their roots.
-    #[must_use]
     #[inline(always)]
     fn observed<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
         [

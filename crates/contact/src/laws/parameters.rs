@@ -36,7 +36,6 @@ pub struct LawParameters {
 
 impl LawParameters {
     /// Returns K of the materials, in the form that the law called `name` uses.
-    #[must_use]
     pub fn hertz(&self, name: &str) -> HertzStiffness {
         let hertz = HertzStiffness::new(self.pin, self.disc, self.stiffness_multiplier)
             .with_internal(self.internal_multiplier / self.stiffness_multiplier);

@@ -43,7 +43,6 @@ impl PinLaw {
     }
 
     /// Returns the force along the profile as [`NormalLaw::along`], of a contact in series with its pin.
-    #[must_use]
     #[inline(always)]
     pub fn along<R: OnPin>(&self, stiffness: R, penetration: R) -> Option<R> {
         let Some(pin) = self.pin_n_m else {
@@ -57,7 +56,6 @@ impl PinLaw {
 
     /// Returns the normal force as [`NormalLaw::force`], of a sleeve on a bending pin; `penetration` and `rate` are those of
     /// contact and pin together.
-    #[must_use]
     #[inline(always)]
     pub fn force<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> R {
         match self.pin_n_m {
@@ -67,7 +65,6 @@ impl PinLaw {
     }
 
     /// Returns forces and energy as [`NormalLaw::observed`].
-    #[must_use]
     #[inline(always)]
     pub fn observed<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
         R::observed(self, [stiffness, penetration, rate])

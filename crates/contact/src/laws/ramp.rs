@@ -21,7 +21,6 @@ pub struct Ramp {
 
 impl Ramp {
     /// Creates a ramp of the given width, m.
-    #[must_use]
     pub fn new(width: f64) -> Self {
         Self {
             width,
@@ -31,14 +30,12 @@ impl Ramp {
     }
 
     /// Returns S at a penetration `x` > 0, m.
-    #[must_use]
     #[inline(always)]
     pub fn at<R: Real>(&self, x: R) -> R {
         (x * x.like(self.inverse)).min(x.like(1.0))
     }
 
     /// Returns the integral of S x^1.5 from 0 to `x` >= 0, m^2.5.
-    #[must_use]
     #[inline(always)]
     pub(crate) fn integral<R: Real>(&self, x: R) -> R {
         let power = x * x.sqrt() * x;

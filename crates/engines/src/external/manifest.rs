@@ -230,7 +230,6 @@ impl Manifest {
     }
 
     /// True if the solver supports a contact law.
-    #[must_use]
     pub fn honours_law(&self, law: &str) -> bool {
         self.honours.laws.iter().any(|known| fits(known, law))
     }

@@ -86,7 +86,6 @@ impl Solver {
     }
 
     /// Returns the manifest of the solver.
-    #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
@@ -436,7 +435,6 @@ pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
 }
 
 /// Returns the added solvers.
-#[must_use]
 pub fn joined() -> Vec<&'static Solver> {
     ADMITTED
         .read()

@@ -43,7 +43,6 @@ pub(crate) const HEADER: &str = include_str!(concat!(
 
 impl Language {
     /// Returns names and texts of the files of a solver named `name`.
-    #[must_use]
     pub fn files(self, name: &str) -> Vec<(&'static str, String)> {
         let example = format!("\"{}\"", self.example);
         let manifest = self.manifest.replace(&example, &format!("{name:?}"));

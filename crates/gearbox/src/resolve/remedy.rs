@@ -8,7 +8,6 @@ use crate::{Gearbox, auto};
 
 /// Tries `solver.integrator = "auto"` on a scene whose named method failed, for at most `longest` of wall time. Returns the
 /// result in words; `None` if `auto` does not resolve the scene, takes longer, or is the scene's own setting.
-#[must_use]
 pub fn remedy(scene: &CheckedScene, longest: Duration) -> Option<String> {
     if scene.solver.integrator == auto::AUTO {
         return None;

@@ -55,19 +55,16 @@ pub struct Uncertainty {
 
 impl Uncertainty {
     /// True if the target was reached.
-    #[must_use]
     pub fn is_resolved(&self) -> bool {
         self.verdict == Verdict::Resolved
     }
 
     /// Returns the run whose time series are returned.
-    #[must_use]
     pub fn chosen(&self) -> Option<&Level> {
         self.levels.get(self.chosen)
     }
 
     /// Returns the cost of the verification: evaluations of all runs over those of the chosen one.
-    #[must_use]
     pub fn cost(&self) -> f64 {
         let all: u64 = self.levels.iter().map(|level| level.evaluations).sum();
         let one = self.chosen().map_or(0, |level| level.evaluations);
@@ -75,7 +72,6 @@ impl Uncertainty {
     }
 
     /// Returns remarks for the reader: the result and its cost.
-    #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.sentence()];
         let failed = self.levels.iter().filter(|level| level.failure.is_some());
@@ -93,7 +89,6 @@ impl Uncertainty {
     }
 
     /// Returns one sentence with the estimated error, its evidence and its cost.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let (method, setting) = self.chosen().map_or(("", ""), |level| {
             (level.integrator.as_str(), level.setting.as_str())

@@ -132,7 +132,6 @@ impl Dense {
 
 impl Dopri5 {
     /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` per step.
-    #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; y.len()];
         Self {

@@ -48,7 +48,6 @@ fn none() -> &'static Tableau {
 
 impl FixedStep {
     /// Starts at (t, y) with step `h` (s).
-    #[must_use]
     pub fn new(tableau: &'static Tableau, h: f64, t: f64, y: &[f64]) -> Self {
         let n = y.len();
         Self {

@@ -95,7 +95,6 @@ pub struct ImexFixed {
 
 impl ImexFixed {
     /// Starts at (t, y) with step `h` (s).
-    #[must_use]
     pub fn new(h: f64, t: f64, y: &[f64]) -> Self {
         let point = Point::new(y);
         Self {

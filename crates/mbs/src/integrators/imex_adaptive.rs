@@ -51,7 +51,6 @@ pub struct ImexAdaptive {
 
 impl ImexAdaptive {
     /// Starts at (t, y) with a first step `h` (s); `tolerance` is relative, of the entire run.
-    #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let point = Point::new(y);
         Self {

@@ -232,7 +232,6 @@ const ADAPTIVE: MethodInfo = MethodInfo {
 pub const UNSEEN: f64 = 2e-3;
 
 /// Returns the method with the name `name`.
-#[must_use]
 pub fn method(name: &str) -> Option<&'static MethodInfo> {
     METHODS.iter().find(|method| method.name == name)
 }
@@ -244,7 +243,6 @@ macro_rules! methods {
         pub const METHODS: &[MethodInfo] = &[$($module::INFO),*];
 
         /// Starts the method `name` at (t, y); `None` if there is no such method.
-        #[must_use]
         pub fn start(
             name: &str,
             $settings: StepSettings,

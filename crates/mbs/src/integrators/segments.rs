@@ -31,7 +31,6 @@ pub struct Segments {
 impl Segments {
     /// Starts the method `name` at (t, y); `breaks` (s) must increase, those up to `t` are ignored. `None` if there is no such
     /// method.
-    #[must_use]
     pub fn start(
         name: &str,
         settings: StepSettings,
@@ -59,7 +58,6 @@ impl Segments {
     }
 
     /// Returns the end of the present segment, s; infinite for the last.
-    #[must_use]
     pub fn end(&self) -> f64 {
         self.ends.last().copied().unwrap_or(f64::INFINITY)
     }

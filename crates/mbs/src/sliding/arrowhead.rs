@@ -30,7 +30,6 @@ pub struct Arrowhead {
 
 impl Arrowhead {
     /// Creates a matrix for as many velocities as `is_leaf` has entries.
-    #[must_use]
     pub fn new(is_leaf: &[bool]) -> Self {
         let (place, hubs, leaves) = Place::all(is_leaf);
         Self {
@@ -44,7 +43,6 @@ impl Arrowhead {
     }
 
     /// Returns the number of velocities.
-    #[must_use]
     pub fn dimension(&self) -> usize {
         self.place.len()
     }

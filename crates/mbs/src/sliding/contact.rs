@@ -58,14 +58,12 @@ impl Row {
     }
 
     /// Returns the part that depends on the velocities.
-    #[must_use]
     #[inline]
     pub fn dot(&self, v: &[f64]) -> f64 {
         self.entries().map(|(dof, c)| c * v[dof]).sum()
     }
 
     /// Returns the rate at `v`.
-    #[must_use]
     #[inline]
     pub fn value(&self, v: &[f64]) -> f64 {
         self.offset + self.dot(v)

@@ -25,7 +25,6 @@ pub struct Slip {
 
 impl Slip {
     /// Returns the friction against the sliding at `u`, N: L clamp(u/v_s, -1, 1).
-    #[must_use]
     #[inline]
     pub fn force(&self, u: f64) -> f64 {
         self.limit * (u / self.ramp).clamp(-1.0, 1.0)
@@ -65,7 +64,6 @@ pub struct SlidingProblem {
 
 impl SlidingProblem {
     /// Creates a problem. `inertia`: diagonal of M, all positive. `is_leaf`: velocities of which no contact joins two.
-    #[must_use]
     pub fn new(inertia: Vec<f64>, is_leaf: &[bool]) -> Self {
         Self {
             matrix: Arrowhead::new(is_leaf),
@@ -76,7 +74,6 @@ impl SlidingProblem {
     }
 
     /// Returns the diagonal of M.
-    #[must_use]
     pub fn inertia(&self) -> &[f64] {
         &self.inertia
     }

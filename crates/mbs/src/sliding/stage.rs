@@ -21,7 +21,6 @@ pub struct SlidingStage {
 
 impl SlidingStage {
     /// Creates a stage; see [`SlidingProblem::new`].
-    #[must_use]
     pub fn new(inertia: Vec<f64>, is_leaf: &[bool]) -> Self {
         Self {
             contacts: Vec::new(),
@@ -91,7 +90,6 @@ impl SlidingStage {
     }
 
     /// Returns the Newton steps of all stages so far.
-    #[must_use]
     pub fn newton_steps(&self) -> u64 {
         self.newton_steps
     }

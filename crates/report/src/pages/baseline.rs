@@ -16,7 +16,6 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 
 /// Returns the page of a check against the baseline `name`.
-#[must_use]
 pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
     let moved = moved(check);
     // Worse entries are unfolded, passed ones folded.
@@ -69,7 +68,6 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
 }
 
 /// Returns the text for a terminal, without the path of the page: a line for each solver, and the changed cases.
-#[must_use]
 pub fn text(name: &str, check: &Check) -> String {
     let (same, mut moved): (Vec<_>, Vec<_>) = check
         .cases
@@ -94,7 +92,6 @@ pub fn text(name: &str, check: &Check) -> String {
 }
 
 /// Returns the text of a record for a terminal: errors of each solver, and omitted cases.
-#[must_use]
 pub fn recorded(name: &str, record: &Record) -> String {
     let own = [name.to_owned()];
     let solvers = match record.baseline.solvers.as_slice() {
@@ -148,7 +145,6 @@ pub fn recorded(name: &str, record: &Record) -> String {
 }
 
 /// Returns the list of baselines with the reasons for their acceptance.
-#[must_use]
 pub fn list(listed: &[Listed]) -> String {
     let mut text = String::new();
     for one in listed {

@@ -47,7 +47,6 @@ fn table(found: &Outcome, terminal: bool) -> Table {
 }
 
 /// Returns the table for a terminal.
-#[must_use]
 pub fn text(found: &Outcome) -> String {
     let style = if found.passed() { GOOD } else { BAD };
     let title = format!(
@@ -66,7 +65,6 @@ pub fn text(found: &Outcome) -> String {
 }
 
 /// Returns the page.
-#[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let stages = found.stages.iter();
     let stages = stages.map(|located| Section::new("stages", "Stages").with(blocks(located)));

@@ -60,7 +60,6 @@ const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts
                              gears are softer by factors.";
 
 /// Returns the page.
-#[must_use]
 pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
@@ -214,7 +213,6 @@ fn fact((label, text): (&str, String)) -> Fact {
 }
 
 /// Returns the text for a terminal; `whole`: with the definition of each figure.
-#[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = table("", &found.figures, |one| how(found, one));
     let mut rows = vec![(limits::QUESTION, limits::sentence(&found.limits))];
@@ -241,7 +239,6 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
 }
 
 /// Returns the text for a terminal on a scene from catalogue data.
-#[must_use]
 pub fn draft(draft: &Draft) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);

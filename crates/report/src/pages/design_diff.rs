@@ -28,7 +28,6 @@ const SERIES: [&str; 3] = [
 ];
 
 /// Returns the page.
-#[must_use]
 pub fn page(found: &DesignDiff, made: &Provenance) -> String {
     let [a, b] = &found.names;
     let mut sections = vec![scene(found), figures(found)];
@@ -58,7 +57,6 @@ pub fn page(found: &DesignDiff, made: &Provenance) -> String {
 }
 
 /// Returns the text for a terminal.
-#[must_use]
 pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
     let mut text = styled(TITLE, &format!("{a} and {b}")) + "\n";

@@ -7,7 +7,6 @@ use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::{Mark, Table};
 
 /// The engines by track, which of them run here and now, what the others need, and what tracks mean.
-#[must_use]
 pub fn text(listed: &[Listed]) -> String {
     let mut needs = remedies();
     let mut rows = Vec::new();

@@ -6,7 +6,6 @@ use pinwheel_scene::{Line, Scene};
 use pinwheel_studies::explained::Explanation;
 
 /// Returns the text for a terminal.
-#[must_use]
 pub fn text(explanation: &Explanation<'_>) -> String {
     let title = paragraph(&crate::pages::title(explanation.scene));
     let mut text = format!("{}\n", styled(TITLE, &title));

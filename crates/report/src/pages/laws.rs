@@ -6,13 +6,11 @@ use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
 use serde_json::json;
 
 /// Returns all laws as text.
-#[must_use]
 pub fn text() -> String {
     joined("\n", LAWS.iter().map(in_words))
 }
 
 /// Returns all laws as JSON.
-#[must_use]
 pub fn json() -> serde_json::Value {
     let each = LAWS.iter().map(|law| {
         json!({

@@ -97,7 +97,6 @@ fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
 }
 
 /// Name and description of a scene.
-#[must_use]
 pub fn title(scene: &Scene) -> String {
     if scene.description.is_empty() {
         scene.name.clone()

@@ -92,7 +92,6 @@ pub enum Tone {
 
 impl Tone {
     /// Returns good or bad.
-    #[must_use]
     pub fn of(good: bool) -> Self {
         if good { Self::Good } else { Self::Bad }
     }
@@ -131,7 +130,6 @@ pub enum Question {
 
 impl Question {
     /// The tile of an answer: a word or two, or a command in backticks, and its reason.
-    #[must_use]
     pub fn answered(self, mark: Mark, value: impl Into<String>, detail: impl Into<String>) -> Tile {
         let label = match self {
             Self::Right => "Is it right?",

@@ -23,7 +23,6 @@ struct Drawn<'a> {
 }
 
 /// Renders a study's page. The page depends on the study alone: equal studies give equal bytes.
-#[must_use]
 pub fn render(study: &Study) -> String {
     let mut drawn = Drawn::default();
     let sections = study.sections.iter().map(|one| section(one, &mut drawn));

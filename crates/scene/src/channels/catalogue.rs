@@ -265,7 +265,6 @@ impl Over {
 
 impl Family {
     /// True for states of bodies.
-    #[must_use]
     pub fn is_state(&self) -> bool {
         matches!(self.what, What::State(..))
     }

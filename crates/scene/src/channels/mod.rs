@@ -44,19 +44,16 @@ impl Channels {
     }
 
     /// True if no channel is selected.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
     /// Number of columns.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
     /// Returns the channels for whose names `there` is false.
-    #[must_use]
     pub fn without(&self, there: impl Fn(&str) -> bool) -> Self {
         let list = self.list.iter().filter(|chosen| !there(&chosen.name));
         Self {
@@ -65,7 +62,6 @@ impl Channels {
     }
 
     /// Returns the selected families with the number of columns from each.
-    #[must_use]
     pub fn families(&self) -> Vec<(&'static Family, usize)> {
         let count = |family: &Family| {
             let fits = |chosen: &&Chosen| pinwheel_files::fits(family.pattern, &chosen.name);

@@ -32,7 +32,6 @@ type Units = &'static [(f64, &'static str)];
 const LENGTHS: Units = &[(1e-3, "mm"), (1e3, "km")];
 
 /// Returns doubts about a scene, each with its key, its value and the probable intention.
-#[must_use]
 pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
     let mut list = Vec::new();
     let mut judge = |name: &str, value: Option<f64>, range: [f64; 2], why: &str, units: Units| {

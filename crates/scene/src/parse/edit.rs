@@ -11,7 +11,6 @@ use crate::presets::preset;
 /// Returns a scene file without the `removed` keys and with those of `sets`, each at its old place or below the last key of
 /// its table. A `base` path relative to the folder `beside` becomes one relative to the working folder. `None` if the text
 /// is no TOML or a key is invalid.
-#[must_use]
 pub fn edited(text: &str, sets: &[Override], removed: &[&str], beside: &Path) -> Option<String> {
     let mut document: DocumentMut = text.parse().ok()?;
     for key in removed {

@@ -16,7 +16,6 @@ pub struct Override {
 
 impl Override {
     /// Replaces `key` (`gear.backlash_m`) by `value`, a TOML value or a bare word.
-    #[must_use]
     pub fn new(key: impl Into<String>, value: impl Into<String>) -> Self {
         Self {
             key: key.into(),
@@ -25,7 +24,6 @@ impl Override {
     }
 
     /// Returns the key, e.g. `gear.backlash_m`.
-    #[must_use]
     pub fn key(&self) -> &str {
         &self.key
     }

@@ -36,7 +36,6 @@ static SET: LazyLock<Set> =
     LazyLock::new(|| toml::from_str(include_str!("cases.toml")).unwrap_or_default());
 
 /// Returns the scenes of the set.
-#[must_use]
 pub fn scenes() -> &'static [SceneCase] {
     &SET.scene
 }
@@ -48,13 +47,11 @@ pub fn sets(choice: &str) -> &'static [String] {
 
 impl SceneCase {
     /// Returns the base preset.
-    #[must_use]
     pub fn preset(&self) -> &str {
         self.preset.as_deref().unwrap_or(&self.name)
     }
 
     /// Returns every key changed by scene and window, as for `--set`.
-    #[must_use]
     pub fn changes(&self) -> Vec<String> {
         SET.window.iter().chain(&self.set).cloned().collect()
     }

@@ -69,7 +69,6 @@ const LOCATED: usize = 1;
 
 impl Check {
     /// Returns one line for each solver that joined, or for the baseline `name`.
-    #[must_use]
     pub fn answers(&self, name: &str) -> Vec<Answer> {
         let brought = |solver: &String| {
             let own = self.cases.iter().filter(|case| case.choice == *solver);
@@ -258,7 +257,6 @@ impl CaseCheck {
     }
 
     /// Returns the quantity with the largest change relative to its rounding limit, if any is compared.
-    #[must_use]
     pub fn moved_most(&self) -> Option<&QuantityCheck> {
         self.quantities.iter().max_by(|a, b| {
             let by_verdict = a.verdict.cmp(&b.verdict);

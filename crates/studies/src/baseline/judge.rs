@@ -28,7 +28,6 @@ pub enum Verdict {
 
 impl Verdict {
     /// Returns the verdict as text.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::Same => "same to rounding",

@@ -28,7 +28,6 @@ pub const LARGEST_RECORDED: f64 = 0.1;
 pub const FAR_OFF: f64 = 0.01;
 
 /// Returns the largest change that counts as rounding, if perturbed rounding gave `recorded` (shares of the quantity's size).
-#[must_use]
 pub fn same_up_to(recorded: f64) -> f64 {
     let flip = (FLIP_MARGIN * recorded).max(LARGEST_ROUNDING);
     (ROUNDING_MARGIN * recorded).min(flip).max(ROUNDING_FLOOR)
@@ -50,7 +49,6 @@ pub const REJECTIONS: f64 = 5.0;
 pub const NEWTON_SHARE: f64 = 0.02;
 
 /// Returns the table of the limits.
-#[must_use]
 pub fn table() -> Table {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let adaptive = percent(ADAPTIVE_COUNT_SHARE);

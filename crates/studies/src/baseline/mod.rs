@@ -126,7 +126,6 @@ struct Way<'a> {
 }
 
 /// Describes this program, on this machine, today.
-#[must_use]
 pub fn made(kernel: Kernel) -> Made {
     let here = Provenance::here("");
     Made {

@@ -118,7 +118,6 @@ pub fn record(
 
 impl Record {
     /// Returns every case that was run with its quantity of the largest error against the converged run, largest first.
-    #[must_use]
     pub fn errors(&self) -> Vec<(&SceneSnapshot, &CaseSnapshot, Quantity, f64)> {
         let scenes = self.baseline.scenes.iter();
         let scenes = scenes.filter(|scene| self.scenes.contains(&scene.name));

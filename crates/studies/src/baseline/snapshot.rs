@@ -35,7 +35,6 @@ pub enum Quantity {
 
 impl Quantity {
     /// Returns the label.
-    #[must_use]
     pub fn label(self) -> &'static str {
         match self {
             Self::DriverTorque => "driver torque",
@@ -67,7 +66,6 @@ pub struct Statistics {
 
 impl Statistics {
     /// Returns the statistics of all channels together, which are equally long.
-    #[must_use]
     pub fn of_course(channels: &[&[f64]]) -> Self {
         let samples = channels.first().map_or(0, |channel| channel.len());
         let mut found = Self::default();
@@ -98,7 +96,6 @@ impl Statistics {
     }
 
     /// Returns the root mean square of the differences to `other`; `None` for other windows.
-    #[must_use]
     pub fn distance(&self, other: &Self) -> Option<f64> {
         let shape = |it: &Self| [it.mean.len(), it.rms.len(), it.peak.len()];
         let differences = self.all().zip(other.all()).map(|(a, b)| a - b);
@@ -106,19 +103,16 @@ impl Statistics {
     }
 
     /// Returns the mean over the windows.
-    #[must_use]
     pub fn whole_mean(&self) -> f64 {
         self.mean.iter().sum::<f64>() / self.mean.len().max(1) as f64
     }
 
     /// Returns the root mean square over the windows.
-    #[must_use]
     pub fn whole_rms(&self) -> f64 {
         rms(self.rms.iter().copied())
     }
 
     /// Returns the largest magnitude of all windows.
-    #[must_use]
     pub fn whole_peak(&self) -> f64 {
         self.all().fold(0.0, |most, x| most.max(x.abs()))
     }

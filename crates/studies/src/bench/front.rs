@@ -19,7 +19,6 @@ pub enum CostAt {
 
 impl CostAt {
     /// Returns the number, an estimate or a bound.
-    #[must_use]
     pub fn value(self) -> f64 {
         match self {
             Self::Interpolated(v) | Self::AtMost(v) | Self::MoreThan(v) => v,
@@ -27,7 +26,6 @@ impl CostAt {
     }
 
     /// True if a run reaches the error.
-    #[must_use]
     pub fn reached(self) -> bool {
         !matches!(self, Self::MoreThan(_))
     }
@@ -35,7 +33,6 @@ impl CostAt {
 
 /// Returns the points of the front by rising cost and falling error. Points are (cost, error); values that are not finite and
 /// positive are left out.
-#[must_use]
 pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = |x: f64| x.is_finite() && x > 0.0;
     let mut points = points.to_vec();
@@ -51,7 +48,6 @@ pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 /// Returns the cost of `error` on the front of the points (cost, error); `None` without points.
-#[must_use]
 pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let front = front(points);
     let (first, last) = (front.first()?, front.last()?);

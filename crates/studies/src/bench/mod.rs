@@ -70,7 +70,6 @@ struct Measured<'a> {
 
 impl WorkPrecision {
     /// Returns the rankings of all windows at the target, then of the entire run at ten times and a tenth of it.
-    #[must_use]
     pub fn rankings(&self) -> Vec<Ranking> {
         let target = self.options.target;
         let windows = 0..self.windows.len();

@@ -78,7 +78,6 @@ impl Options {
     }
 
     /// Returns the CPU time limit of a single run of an engine, s.
-    #[must_use]
     pub fn longest(&self, track: SharedModel) -> f64 {
         match track {
             SharedModel::Native => self.longest_native_s,

@@ -55,7 +55,6 @@ impl WorkPrecision {
     ///
     /// Own-contact peers count if they reach the error; otherwise their model, not their step, is the reason. A peer that
     /// shares the law then counts with its lower bound.
-    #[must_use]
     pub fn ranking(&self, window: usize, error: f64) -> Ranking {
         let entry = |series: &Series| Entry {
             label: series.label(),

@@ -86,7 +86,6 @@ pub enum Measure {
 
 impl Series {
     /// Returns the name of the series in legends: `native-reduced rk4`, `rapier-shared-law`.
-    #[must_use]
     pub fn label(&self) -> String {
         if self.order.is_some() {
             format!("{} {}", self.engine, self.method)
@@ -96,7 +95,6 @@ impl Series {
     }
 
     /// Returns (cost, relative L2 error of the forces) of the finished points in a window.
-    #[must_use]
     pub fn points(&self, window: usize, measure: Measure) -> Vec<(f64, f64)> {
         let known = |point: &Point| {
             let cost = point.cost?;
@@ -146,7 +144,6 @@ impl Series {
     }
 
     /// Returns the cost of a relative L2 force error in a window.
-    #[must_use]
     pub fn cost_at(&self, window: usize, error: f64, measure: Measure) -> Option<CostAt> {
         cost_at(&self.points(window, measure), error)
     }

@@ -13,7 +13,6 @@ const HALF_DECADES: i32 = 16;
 
 /// Returns the settings of a method's step or tolerance for a scene, coarse to fine. Steps divide the sampling step evenly,
 /// because some engines sample only at ends of steps.
-#[must_use]
 pub fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
     match knob {
         AccuracySetting::Tolerance => {
@@ -59,7 +58,6 @@ pub enum Stopped {
 
 impl Stopped {
     /// Returns the reason in words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Finished => "all settings tried",

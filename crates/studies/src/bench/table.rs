@@ -16,7 +16,6 @@ const ERRORS: [(&str, &str, fn(&Errors) -> f64); 4] = [
 
 impl WorkPrecision {
     /// Returns a row for each setting of each series, in order.
-    #[must_use]
     pub fn table(&self) -> Table {
         let each = self.series.iter();
         let rows = each.flat_map(|series| series.points.iter().map(move |point| (series, point)));

@@ -4,7 +4,6 @@ use pinwheel_compare::{Context, Scales};
 use pinwheel_scene::{Scene, Start, load_profile, speed_profile};
 
 /// Returns name, load, scales and settling time of a scene.
-#[must_use]
 pub fn context(scene: &Scene) -> Context {
     let scales = pinwheel_scene::Scales::of(scene);
     let settles = scales

@@ -36,7 +36,6 @@ pub struct Data {
 
 impl Data {
     /// Returns the name among the participants of a comparison.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -222,13 +222,11 @@ pub struct Largest<'a> {
 
 impl Largest<'_> {
     /// Returns the relative difference.
-    #[must_use]
     pub fn share(&self) -> f64 {
         (self.there / self.here - 1.0).abs()
     }
 
     /// True if both agree, or if the engine agrees with its twin, so that its own contacts explain the difference.
-    #[must_use]
     pub fn is_explained(&self) -> bool {
         let twin = self.twin.map(|twin| twin.verdict);
         [self.verdict, twin].contains(&Some(Verdict::Agree))
@@ -238,7 +236,6 @@ impl Largest<'_> {
 impl Outcome {
     /// Returns the largest difference between the native solver and another participant in mean torque or largest force, at
     /// their common samples; in the steady window if there is one.
-    #[must_use]
     pub fn largest(&self) -> Option<Largest<'_>> {
         let windows = &self.comparison.windows;
         let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
@@ -284,14 +281,12 @@ impl Outcome {
     }
 
     /// True if an unexplained difference remains.
-    #[must_use]
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
         largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
     }
 
     /// Returns the exit status: also 1 if an engine differs from its twin.
-    #[must_use]
     pub fn exit_status(&self) -> u8 {
         let twins = self.twins.iter();
         match self.comparison.exit_status() {
@@ -302,7 +297,6 @@ impl Outcome {
 
     /// Returns the error of the first engine without a result, with a remedy. Engines that do not support the scene count only
     /// if they were `asked` for by name.
-    #[must_use]
     pub fn broken(&self, asked: bool) -> Option<String> {
         let mut each = self.participants.iter();
         each.find_map(|participant| {

@@ -41,7 +41,6 @@ impl Effort {
 
     /// Returns the effort for a scene: settings stated in its file are binding; those from formulas or a base are a start for
     /// refinement.
-    #[must_use]
     pub fn of(scene: &CheckedScene) -> Self {
         let origins = scene.origins();
         Self {

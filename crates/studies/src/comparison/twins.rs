@@ -27,13 +27,11 @@ pub struct TwinFigure {
 
 impl TwinFigure {
     /// Returns the relative difference of engine and twin.
-    #[must_use]
     pub fn difference(&self) -> f64 {
         self.engine / self.twin - 1.0
     }
 
     /// Returns the relative difference between the engine's contacts and the scene's law.
-    #[must_use]
     pub fn of_law(&self) -> f64 {
         self.twin / self.scene - 1.0
     }
@@ -56,7 +54,6 @@ pub struct MatchedContactRun {
 
 impl MatchedContactRun {
     /// Returns the figure with the largest difference of engine and twin.
-    #[must_use]
     pub fn worst(&self) -> Option<&TwinFigure> {
         let size = |figure: &TwinFigure| figure.difference().abs();
         self.figures

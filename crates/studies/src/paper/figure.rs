@@ -19,7 +19,6 @@ pub enum ClaimVerdict {
 
 impl ClaimVerdict {
     /// Returns the verdict in words.
-    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Holds => "holds",

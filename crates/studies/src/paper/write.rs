@@ -42,7 +42,6 @@ impl PaperResult {
     }
 
     /// Returns the claims as a table in Markdown for `docs/physics.md`, one line each after its head.
-    #[must_use]
     pub fn claims_table(&self) -> String {
         let mut text = String::from(
             "| claim | where | our figure | verdict | remark |\n|---|---|---|---|---|\n",

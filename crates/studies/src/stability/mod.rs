@@ -41,7 +41,6 @@ pub struct Method {
 
 impl Method {
     /// Returns the method of the user's solver `name` on `scene`.
-    #[must_use]
     pub fn of_solver(name: &str, scene: &Scene) -> Self {
         let knob = by_name(name, scene).and_then(|engine| Some(engine.info().refinement?.knob));
         Self {
@@ -53,7 +52,6 @@ impl Method {
     }
 
     /// Returns `reduced`, `lagrange`, or the name of the user's solver.
-    #[must_use]
     pub fn form(&self) -> &str {
         match (&self.solver, self.formulation) {
             (Some(solver), _) => solver,
@@ -63,7 +61,6 @@ impl Method {
     }
 
     /// Returns the formulation and integrator, `reduced rk2`, with the tolerance of adaptive methods.
-    #[must_use]
     pub fn name(&self) -> String {
         let (form, integrator) = (self.form(), &self.integrator);
         match (&self.solver, self.tolerance) {
@@ -127,7 +124,6 @@ impl Default for Options {
 
 impl Options {
     /// Returns the default options with runs of 0.02 s, which include the first impacts and take a fifth of the time.
-    #[must_use]
     pub fn quick() -> Self {
         Self {
             longest_s: 0.02,
@@ -189,13 +185,11 @@ pub struct Cell {
 
 impl Cell {
     /// True if the method gives a correct run at the study's step or at a shorter one.
-    #[must_use]
     pub fn is_right(&self) -> bool {
         self.largest_step_s.is_some() || self.failure.is_none()
     }
 
     /// Returns the error of the forces of a correct run (0 if no pin carries force).
-    #[must_use]
     pub fn right_to(&self) -> Option<f64> {
         let right = self.failure.is_none();
         right.then(|| self.error.map_or(0.0, |error| error.forces))
@@ -221,7 +215,6 @@ pub struct SceneRow {
 
 impl SceneRow {
     /// Returns the method with the smallest error among correct runs.
-    #[must_use]
     pub fn best(&self) -> Option<(&Cell, f64)> {
         let cells = self.cells.iter();
         let right = cells.filter_map(|cell| Some((cell, cell.right_to()?)));
@@ -243,7 +236,6 @@ pub struct Atlas {
 
 impl Atlas {
     /// Returns an atlas without results.
-    #[must_use]
     pub fn new(options: Options) -> Self {
         Self {
             rows: vec![None; options.scenes.len()],
@@ -301,7 +293,6 @@ impl Atlas {
     }
 
     /// Returns the names of the scenes without a sufficient method, [`SERVED`].
-    #[must_use]
     pub fn unserved(&self) -> Vec<String> {
         let served = |row: &&SceneRow| row.best().is_some_and(|(_, error)| error <= SERVED);
         let unserved = self.done().filter(|row| !served(row));

@@ -56,7 +56,6 @@ const TORQUE_SHARE: f64 = 1e-3;
 
 impl Failure {
     /// Returns the failure in one or two words.
-    #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::BlowUp { .. } => "blow-up",
@@ -68,7 +67,6 @@ impl Failure {
     }
 
     /// Returns the word with its figure, for a cell of a table.
-    #[must_use]
     pub fn short(&self) -> String {
         match self {
             Self::BlowUp { time_s, .. } => format!("blow-up at {time_s:.4} s"),
@@ -80,7 +78,6 @@ impl Failure {
     }
 
     /// Returns the failure with its figure as a sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         match self {
             Self::BlowUp { time_s, quantity } => {

@@ -63,7 +63,6 @@ impl Atlas {
     }
 
     /// Returns a table with a row for each scene and method, and one for each scene without a converged run.
-    #[must_use]
     pub fn table(&self) -> Table {
         let rows = self.done().flat_map(|row| {
             let refused = row.cells.is_empty().then_some(None);

@@ -34,7 +34,6 @@ impl Value {
     }
 
     /// Returns the value as TOML.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         match self {
             Self::Number(x) => Toml::from(*x).to_string(),
@@ -45,7 +44,6 @@ impl Value {
     }
 
     /// Returns the value as a number; `None` for other types.
-    #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(x) => Some(*x),
@@ -55,7 +53,6 @@ impl Value {
     }
 
     /// Returns the numbers of the value: one, those of a list, or none.
-    #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
         let of = |value: &Toml| {
             let whole = || value.as_integer().map(|x| x as f64);
@@ -99,13 +96,11 @@ pub struct Axis {
 
 impl Axis {
     /// Returns the number of points along the axis.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.keys.first().map_or(0, |(_, values)| values.len())
     }
 
     /// True for an axis without points.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -6,13 +6,14 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use pinwheel_engines::{Ending, Engine, Run};
 use pinwheel_gearbox::Gearbox;
 
+use crate::StudyError;
 use crate::control::{Control, Progress};
 use crate::pool;
 use crate::provenance::SOURCES;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, identity};
-use crate::sweep::{Plan, PlannedRun, SweepError};
+use crate::sweep::{Plan, PlannedRun};
 
 /// Largest number of progress reports of a run.
 const TOLD: u64 = 100;
@@ -30,13 +31,13 @@ struct Shared<'a> {
 
 /// Runs everything that is missing in the journal, on `jobs` threads; returns the records in the plan's order.
 /// # Errors
-/// [`SweepError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot be written.
+/// [`StudyError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot be written.
 pub fn execute(
     plan: &Plan,
     journal: &Journal,
     jobs: usize,
     control: &Control<'_>,
-) -> Result<Vec<RunRecord>, SweepError> {
+) -> Result<Vec<RunRecord>, StudyError> {
     let durations = plan.runs.iter().map(|run| run.scene.solver.duration_s);
     let shared = Shared {
         plan,
@@ -46,9 +47,8 @@ pub fn execute(
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
-    // An error of `None` means cancelled.
     let run = |last: &mut Option<Gearbox>, k: usize| {
-        let record = shared.one(last, &plan.runs[k])?.ok_or(None)?;
+        let record = shared.one(last, &plan.runs[k])?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
         shared.report();
         Ok(record)
@@ -57,11 +57,11 @@ pub fn execute(
     let records: Vec<RunRecord> = records.into_iter().flatten().collect();
     match fault {
         None => Ok(records),
-        Some(None) => Err(SweepError::Stopped {
+        Some(StudyError::Cancelled) => Err(StudyError::Stopped {
             finished: records.len(),
             runs: plan.runs.len(),
         }),
-        Some(Some(fault)) => Err(fault),
+        Some(fault) => Err(fault),
     }
 }
 
@@ -73,7 +73,7 @@ pub fn find(
     plan: &Plan,
     planned: &PlannedRun,
     journal: &Journal,
-) -> Result<Option<RunRecord>, SweepError> {
+) -> Result<Option<RunRecord>, StudyError> {
     found(plan, planned, journal, &wanted_of(plan, planned)?.1)
 }
 
@@ -83,7 +83,7 @@ fn found(
     planned: &PlannedRun,
     journal: &Journal,
     identity: &str,
-) -> Result<Option<RunRecord>, SweepError> {
+) -> Result<Option<RunRecord>, StudyError> {
     let Some(why) = &planned.refused else {
         return Ok(journal.find(identity, plan.sweep.time_series));
     };
@@ -96,7 +96,7 @@ fn found(
 ///
 /// # Errors
 /// Unavailable engine.
-pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), SweepError> {
+pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), StudyError> {
     let engine = plan.engine(planned)?;
     let scene = planned.scene.to_toml();
     let made_by = (engine.name(), &*engine.version(), &*engine.build());
@@ -105,11 +105,11 @@ pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), 
     Ok((scene, identity))
 }
 
-/// Performs a run, and stores its time series in the folder in the requested form; `None` when cancelled. `scene`: its complete
+/// Performs a run, and stores its time series in the folder in the requested form. `scene`: its complete
 /// scene as TOML; `last`: gearbox of the previous run ([`Engine::run_after`]).
 ///
 /// # Errors
-/// Time series cannot be written.
+/// Stopped; time series cannot be written.
 pub fn perform(
     planned: &PlannedRun,
     engine: &dyn Engine,
@@ -117,15 +117,13 @@ pub fn perform(
     (folder, keep): (&Path, KeepTimeSeries),
     last: &mut Option<Gearbox>,
     control: &Control<'_>,
-) -> Result<Option<RunRecord>, SweepError> {
-    let Ok(run) = engine.run_after(last, &planned.scene, control) else {
-        return Ok(None);
-    };
+) -> Result<RunRecord, StudyError> {
+    let run = engine.run_after(last, &planned.scene, control)?;
     let mut record = RunRecord::of(planned, engine, scene, &run);
     if run.ending.is_finished() {
         record.time_series = keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
     }
-    Ok(Some(record))
+    Ok(record)
 }
 
 impl Shared<'_> {
@@ -138,15 +136,13 @@ impl Shared<'_> {
         });
     }
 
-    /// Returns one run, from the journal or computed; `None` when cancelled.
+    /// Returns one run, from the journal or computed.
     fn one(
         &self,
         last: &mut Option<Gearbox>,
         planned: &PlannedRun,
-    ) -> Result<Option<RunRecord>, SweepError> {
-        if self.control.is_cancelled() {
-            return Ok(None);
-        }
+    ) -> Result<RunRecord, StudyError> {
+        self.control.check()?;
         let duration = planned.scene.solver.duration_s;
         let whole_us = (duration * 1e6) as u64;
         let keep = self.plan.sweep.time_series;
@@ -154,7 +150,7 @@ impl Shared<'_> {
         let (scene, identity) = wanted_of(self.plan, planned)?;
         if let Some(record) = found(self.plan, planned, self.journal, &identity)? {
             self.simulated_us.fetch_add(whole_us, Ordering::Relaxed);
-            return Ok(Some(record));
+            return Ok(record);
         }
         let seen_us = AtomicU64::new(0);
         let reached = |at: Progress<'_>| {
@@ -172,11 +168,9 @@ impl Shared<'_> {
         };
         let control = Control::new(self.control.cancel, &reached).lasting(duration);
         let place = (self.journal.folder(), keep);
-        let made = perform(planned, engine.as_ref(), &scene, place, last, &control)?;
-        if let Some(record) = &made {
-            let _ = control.reached(duration);
-            self.journal.keep(record)?;
-        }
-        Ok(made)
+        let record = perform(planned, engine.as_ref(), &scene, place, last, &control)?;
+        let _ = control.reached(duration);
+        self.journal.keep(&record)?;
+        Ok(record)
     }
 }

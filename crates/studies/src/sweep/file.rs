@@ -28,7 +28,7 @@ use pinwheel_scene::{Override, PRESETS};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
-use crate::sweep::SweepError;
+use crate::StudyError;
 use crate::sweep::axis::{self, Axis};
 use crate::sweep::leaves::leaves;
 use crate::sweep::sample::{self, Sample};
@@ -168,7 +168,7 @@ impl Sweep {
     ///
     /// # Errors
     /// A file that cannot be read, or errors of [`from_toml`](Self::from_toml).
-    pub fn read(path: &Path) -> Result<Self, SweepError> {
+    pub fn read(path: &Path) -> Result<Self, StudyError> {
         let remedy = "give a sweep file (TOML), see docs/sweeps.md";
         Self::from_toml(&read_text(path, remedy)?, path)
     }
@@ -177,7 +177,7 @@ impl Sweep {
     ///
     /// # Errors
     /// First fault with its line and remedy.
-    pub fn from_toml(text: &str, path: &Path) -> Result<Self, SweepError> {
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self, StudyError> {
         let file = path.display().to_string();
         let top: Top = read(text, &file, REMEDY)?;
         let document = Document::parse(text, &file, REMEDY)?;

@@ -8,7 +8,6 @@ use crate::sweep::{Plan, RunRecord};
 
 /// Returns the axes, by their keys, without an effect: all runs finished, and runs that differ in this axis only have equal
 /// figures, steps and evaluations. Random samples have none, because all their keys change at once.
-#[must_use]
 pub fn idle(plan: &Plan, records: &[RunRecord]) -> Vec<String> {
     let finished = records.iter().all(|record| record.ending.is_finished());
     if plan.sweep.sample.is_some() || !finished || records.len() != plan.runs.len() {

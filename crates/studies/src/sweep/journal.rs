@@ -24,10 +24,10 @@ use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 use tempfile::Builder;
 
+use crate::StudyError;
 use crate::folder::beside;
 use crate::output::OutputError;
 use crate::pool;
-use crate::sweep::SweepError;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
 use crate::sweep::written::Written;
@@ -48,6 +48,17 @@ pub enum Begin {
     Over,
 }
 
+impl Begin {
+    /// Returns the treatment by the two options of a sweep.
+    pub fn of(resume: bool, force: bool) -> Self {
+        match (resume, force) {
+            (true, _) => Self::Resume,
+            (_, true) => Self::Over,
+            _ => Self::Fresh,
+        }
+    }
+}
+
 /// Folder of finished runs.
 #[derive(Debug)]
 pub struct Journal {
@@ -65,7 +76,7 @@ impl Journal {
     ///
     /// # Errors
     /// The folder cannot be created or read, is not a journal, or another process writes it.
-    pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
+    pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, StudyError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
         let owner = Lock::take(folder, command)?;
         Ok(Self {
@@ -79,14 +90,14 @@ impl Journal {
     ///
     /// # Errors
     /// Errors of [`open`](Self::open); runs without a choice of their treatment.
-    pub fn begin(out: &Path, begin: Begin, command: &str) -> Result<Self, SweepError> {
+    pub fn begin(out: &Path, begin: Begin, command: &str) -> Result<Self, StudyError> {
         let place = Self::beside(out);
         let there = place.exists();
         let earlier = out.join("runs");
         let resumed = begin == Begin::Resume;
         let journal = Self::open(&place, resumed.then_some(earlier.as_path()), command)?;
         match begin {
-            Begin::Fresh if there => return Err(SweepError::Begun { place }),
+            Begin::Fresh if there => return Err(StudyError::Begun { place }),
             Begin::Over if there => journal.clear()?,
             _ => (),
         }
@@ -94,7 +105,6 @@ impl Journal {
     }
 
     /// Returns the journal's folder for results in `out`.
-    #[must_use]
     pub fn beside(out: &Path) -> PathBuf {
         beside(out, ".unfinished")
     }
@@ -103,7 +113,7 @@ impl Journal {
     fn read(
         own: &Path,
         earlier: Option<&Path>,
-    ) -> Result<Mutex<HashMap<u64, PathBuf>>, SweepError> {
+    ) -> Result<Mutex<HashMap<u64, PathBuf>>, StudyError> {
         let mut known = HashMap::new();
         let earlier = earlier.filter(|place| place.is_dir());
         for place in earlier.into_iter().chain([own]) {
@@ -123,13 +133,11 @@ impl Journal {
     }
 
     /// Returns the folder of time series.
-    #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
     /// Returns the number of runs in its own folder, without those of an earlier output.
-    #[must_use]
     pub fn in_its_folder(&self) -> usize {
         let own = |path: &&PathBuf| path.starts_with(&self.folder);
         pool::lock(&self.known).values().filter(own).count()
@@ -139,7 +147,7 @@ impl Journal {
     ///
     /// # Errors
     /// A file cannot be removed.
-    pub fn clear(&self) -> Result<(), SweepError> {
+    pub fn clear(&self) -> Result<(), StudyError> {
         pool::lock(&self.known).retain(|_, path| !path.starts_with(&self.folder));
         for path in entries(&self.folder)? {
             let name = name_of(&path);
@@ -154,7 +162,7 @@ impl Journal {
     ///
     /// # Errors
     /// A run cannot be deleted.
-    pub fn remove(self) -> Result<(), SweepError> {
+    pub fn remove(self) -> Result<(), StudyError> {
         self.clear()?;
         self.owner.remove();
         Ok(())
@@ -175,7 +183,7 @@ impl Journal {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn keep(&self, record: &RunRecord) -> Result<(), SweepError> {
+    pub fn keep(&self, record: &RunRecord) -> Result<(), StudyError> {
         if record.ending.may_pass() {
             return Ok(());
         }
@@ -198,7 +206,7 @@ impl Journal {
         time_series: KeepTimeSeries,
         number: usize,
         folder: &Path,
-    ) -> Result<(), SweepError> {
+    ) -> Result<(), StudyError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
         let place = pool::lock(&self.known)
             .get(&hash_of(&record.identity()))
@@ -218,20 +226,17 @@ impl Journal {
 }
 
 /// Links a file under another name, cheaper than a copy; copies it if the file system has no links.
-fn linked(from: &Path, to: &Path) -> Result<(), SweepError> {
+fn linked(from: &Path, to: &Path) -> Result<(), StudyError> {
     let copied = fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(|_| ()));
     copied.map_err(at(to))
 }
 
-fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
-    |source| SweepError::Io {
-        path: path.to_owned(),
-        source,
-    }
+fn at(path: &Path) -> impl Fn(io::Error) -> StudyError {
+    |error| StudyError::Io(path.to_owned(), error)
 }
 
 /// Lists the entries of a folder.
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
     let entries = fs::read_dir(folder).map_err(at(folder))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
     paths.collect::<io::Result<_>>().map_err(at(folder))
@@ -282,7 +287,7 @@ pub(crate) fn keep_time_series(
     identity: &str,
     time_series: &TimeSeries,
     how: KeepTimeSeries,
-) -> Result<Option<Written>, SweepError> {
+) -> Result<Option<Written>, StudyError> {
     let Some(extension) = extension(how) else {
         return Ok(None);
     };

@@ -5,7 +5,6 @@
 //! not depend on the number of threads.
 
 pub(crate) mod axis;
-mod error;
 mod execute;
 mod file;
 mod idle;
@@ -23,7 +22,6 @@ pub(crate) mod tolerance;
 mod written;
 
 pub use axis::{Axis, Value};
-pub use error::SweepError;
 pub use execute::{execute, find, perform, wanted_of};
 pub use file::{KeepTimeSeries, Sweep};
 pub use idle::idle;

@@ -5,7 +5,8 @@ use std::path::Path;
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
-use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, idle, tolerances};
+use super::{Journal, Limit, Plan, RunRecord, SampleResult, costs, idle, tolerances};
+use crate::StudyError;
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
@@ -41,7 +42,7 @@ pub fn write(
     table: &Table,
     journal: &Journal,
     made: &Provenance,
-) -> Result<(), SweepError> {
+) -> Result<(), StudyError> {
     write_with(dir, "results.csv", |sink| table.write_csv(sink))?;
     let costs = costs(plan, records);
     write_with(dir, "costs.csv", |sink| costs.write_csv(sink))?;

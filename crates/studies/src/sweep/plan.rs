@@ -11,10 +11,11 @@ use pinwheel_scene::{CheckedScene, Draft, Override, Scene, SceneError, did_you_m
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::{columns, group_of};
 
+use crate::StudyError;
+use crate::sweep::Sweep;
 use crate::sweep::axis::{Axis, Value};
 use crate::sweep::spread::columns_of;
 use crate::sweep::statics::{self, STATICS, Statics};
-use crate::sweep::{Sweep, SweepError};
 
 /// Remedy for a sample that draws invalid gears.
 const WIDER: &str = "the sample includes gears that cannot be built: narrow its intervals, or give the scene the clearances of a \
@@ -68,7 +69,6 @@ pub struct Guests(pub Vec<Arc<dyn Engine>>);
 
 impl Guests {
     /// Returns an engine by name, for a scene.
-    #[must_use]
     pub fn engine(&self, name: &str, scene: &Scene) -> Option<Arc<dyn Engine>> {
         let guest = self.0.iter().find(|guest| guest.name() == name);
         guest
@@ -101,20 +101,20 @@ impl Plan {
     ///
     /// # Errors
     /// A refused scene, an unknown engine, a window that no run reaches, too many runs.
-    pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, SweepError> {
+    pub fn new(sweep: Sweep, overrides: &[Override]) -> Result<Self, StudyError> {
         Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
     /// Plans a sweep with the caller's engines. It stops when `cancel` is set, because checking many scenes takes time.
     ///
     /// # Errors
-    /// Errors of [`new`](Self::new), and [`SweepError::Stopped`].
+    /// Errors of [`new`](Self::new), and [`StudyError::Cancelled`].
     pub fn within(
         mut sweep: Sweep,
         overrides: &[Override],
         guests: Guests,
         cancel: &AtomicBool,
-    ) -> Result<Self, SweepError> {
+    ) -> Result<Self, StudyError> {
         let (mut draft, mut about) = (None, None);
         if let Some(sample) = &sweep.sample {
             let values: Vec<(String, Value)> = values_at(&sweep, 0);
@@ -131,17 +131,14 @@ impl Plan {
         let count = points.filter(|&runs| runs <= MOST_RUNS).ok_or_else(|| {
             let factors: Vec<String> = factors.map(|count| count.to_string()).collect();
             let runs = factors.join(" x ");
-            SweepError::Input(format!(
+            StudyError::Input(format!(
                 "the sweep asks for {runs} runs, more than {MOST_RUNS}; give shorter lists, or split the sweep"
             ))
         })?;
         let (mut runs, mut fault) = (Vec::with_capacity(count), None);
         for point in 0..count / sweep.engines.len() {
             if cancel.load(Ordering::Relaxed) {
-                return Err(SweepError::Stopped {
-                    finished: 0,
-                    runs: count,
-                });
+                return Err(StudyError::Cancelled);
             }
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
@@ -184,7 +181,7 @@ impl Plan {
         }
         let all_refused = runs.iter().all(|run: &PlannedRun| run.refused.is_some());
         if let Some(fault) = fault.filter(|_| all_refused) {
-            return Err(SweepError::Input(format!("{fault}; {WIDER}")));
+            return Err(StudyError::Input(format!("{fault}; {WIDER}")));
         }
         Ok(Self {
             sweep,
@@ -194,7 +191,7 @@ impl Plan {
     }
 
     /// Returns the engine of a run.
-    pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, SweepError> {
+    pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, StudyError> {
         let engine = self.guests.engine(&planned.engine, &planned.scene);
         // The engine existed during planning, and the registry does not change while the program runs.
         engine.ok_or_else(|| {
@@ -210,7 +207,6 @@ impl Plan {
     }
 
     /// Returns the index of a run on every axis, and among the engines if there are several.
-    #[must_use]
     pub fn places(&self, run: usize) -> Vec<usize> {
         let engines = self.sweep.engines.len();
         let mut places = places_at(&self.sweep, run / engines);
@@ -277,8 +273,8 @@ fn values_at(sweep: &Sweep, point: usize) -> Vec<(String, Value)> {
 }
 
 /// Returns the error of a run that cannot be planned.
-fn refused(number: usize, values: &[(String, Value)], what: &str) -> SweepError {
-    SweepError::Input(format!("run {number} ({}): {what}", in_words(values)))
+fn refused(number: usize, values: &[(String, Value)], what: &str) -> StudyError {
+    StudyError::Input(format!("run {number} ({}): {what}", in_words(values)))
 }
 
 /// Returns the scene of run `number`; `draft` is the part common to all runs, read on first use.
@@ -288,7 +284,7 @@ fn scene_at(
     overrides: &[Override],
     number: usize,
     values: &[(String, Value)],
-) -> Result<CheckedScene, SweepError> {
+) -> Result<CheckedScene, StudyError> {
     let mut made = || {
         let draft = match draft {
             Some(draft) => draft,
@@ -301,7 +297,7 @@ fn scene_at(
         let varied = varied.map(|(key, value)| Override::new(key.clone(), value.to_toml()));
         draft.with(&varied.collect::<Vec<_>>())
     };
-    made().map_err(|source: SceneError| SweepError::Scene {
+    made().map_err(|source: SceneError| StudyError::Run {
         number,
         values: in_words(values),
         source: Box::new(source),

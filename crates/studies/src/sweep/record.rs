@@ -179,7 +179,6 @@ impl RunRecord {
     }
 
     /// Returns the reason for empty cells in its row; empty if there are none.
-    #[must_use]
     pub fn reason(&self) -> String {
         match &self.ending {
             Ending::Finished => self.undefined.join("; "),
@@ -188,7 +187,6 @@ impl RunRecord {
     }
 
     /// Returns the uncertainty of a column's figure from sampling; `None` if it is no figure of samples.
-    #[must_use]
     pub fn sampling(&self, column: &str) -> Option<f64> {
         let (figure, quantity) = column.split_once('_')?;
         let (_, of) = FIGURES.iter().find(|(name, _)| *name == figure)?;
@@ -196,7 +194,6 @@ impl RunRecord {
     }
 
     /// Returns all inputs of the figures, as text: records with equal identity have equal figures.
-    #[must_use]
     pub fn identity(&self) -> String {
         let made_by = (&*self.engine, &*self.engine_version, &*self.engine_build);
         let program = (&*self.pinwheel_version, &*self.program);

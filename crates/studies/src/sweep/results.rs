@@ -33,7 +33,6 @@ fn diverged_at_s(record: &RunRecord) -> Option<f64> {
 }
 
 /// Returns the results of all runs in the plan's order, which does not depend on the number of threads.
-#[must_use]
 pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
     // For people columns have their names in files; least and largest values are left out, as the peak covers them.
     let mut table = Table::of(
@@ -98,7 +97,6 @@ pub fn broken<'a>(
 }
 
 /// Returns the cost of each run. It is no part of the results, which repeat to the bit.
-#[must_use]
 pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
     Table::of("What each run cost", plan.runs.iter().zip(records))
         .whole("run", "run", |(run, _)| Some(run.number))

@@ -18,7 +18,6 @@ pub struct Limit {
 
 impl Limit {
     /// True if a figure is within the limit; a missing figure is not.
-    #[must_use]
     pub fn holds(&self, value: Option<f64>) -> bool {
         value.is_some_and(|x| {
             self.least.is_none_or(|least| x >= least) && self.most.is_none_or(|most| x <= most)

@@ -48,7 +48,6 @@ pub(super) fn columns() -> impl Iterator<Item = FigureDef> {
 }
 
 /// Returns the definition of a column of the results: the design figure's for statics, otherwise from the column's name.
-#[must_use]
 pub fn definition(column: &str) -> FigureDef {
     let balanced = columns().find(|def| def.key == column);
     balanced.unwrap_or_else(|| {

@@ -119,7 +119,6 @@ fn is_figure(name: &str, plan: &Plan) -> bool {
 }
 
 /// Returns the statistics of a sweep's sample from the table of [results](super::results); none without a sample.
-#[must_use]
 pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
     let Some(sample) = &plan.sweep.sample else {
         return Vec::new();

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_studies::sweep::{
-    Journal, Plan, RunRecord, Sweep, SweepError, broken, execute, find, results, tolerances,
+    Journal, Plan, RunRecord, Sweep, broken, execute, find, results, tolerances,
 };
-use pinwheel_studies::{Control, Progress};
+use pinwheel_studies::{Control, Progress, StudyError};
 use pinwheel_timeseries::table::Column;
 use pinwheel_timeseries::{Ending, TimeSeries};
 
@@ -162,7 +162,7 @@ fn goes_on_where_it_stopped() {
     let control = Control::new(&cancel, &stop_after);
     let journal = Journal::open(&place, None, "a test").unwrap();
     let stopped = execute(&plan, &journal, 2, &control).unwrap_err();
-    let SweepError::Stopped { finished, runs } = stopped else {
+    let StudyError::Stopped { finished, runs } = stopped else {
         panic!("{stopped}");
     };
     assert!((5..=6).contains(&finished) && runs == 12, "{finished}");

@@ -35,7 +35,6 @@ pub struct Diff {
 }
 
 /// Compares two figures of the definition of `a`.
-#[must_use]
 pub fn diff(a: &Figure, b: &Figure) -> Diff {
     let values = [a.value, b.value];
     let uncertainty = [a.uncertainty, b.uncertainty];
@@ -58,13 +57,11 @@ pub fn diff(a: &Figure, b: &Figure) -> Diff {
 
 impl Diff {
     /// Returns one of the two figures.
-    #[must_use]
     pub fn figure(&self, k: usize) -> Figure {
         self.def.of(self.values[k], self.uncertainty[k])
     }
 
     /// Returns the relative change from the first to the second; `None` without a reference.
-    #[must_use]
     pub fn change(&self) -> Option<f64> {
         let [a, b] = self.values;
         let (a, b) = (a?, b?);

@@ -81,7 +81,6 @@ pub struct OverMesh {
 
 impl FigureDef {
     /// Makes a definition from literals.
-    #[must_use]
     pub const fn new(
         key: &'static str,
         label: &'static str,
@@ -130,7 +129,6 @@ impl FigureDef {
 
 impl Figure {
     /// True if `def` defines the figure.
-    #[must_use]
     pub fn is(&self, def: &FigureDef) -> bool {
         self.def.key == def.key
     }
@@ -157,7 +155,6 @@ impl Figure {
     }
 
     /// Returns value and uncertainty in another unit, `factor` times as large, without bands.
-    #[must_use]
     pub fn scaled(&self, factor: f64, unit: impl Into<Cow<'static, str>>) -> Self {
         let scaled = |value: Option<f64>| value.map(|value| factor * value);
         let unit = unit.into();
@@ -172,7 +169,6 @@ impl Figure {
     }
 
     /// True if sampling causes more than half of the uncertainty.
-    #[must_use]
     pub fn is_off_by_sampling(&self) -> bool {
         let both = self.sampling.zip(self.uncertainty);
         both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
@@ -180,7 +176,6 @@ impl Figure {
 
     /// Returns the intervals by contact law and by fit that exceed the numerical uncertainty, each with its cause, the widest
     /// first.
-    #[must_use]
     pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
         let off = self.uncertainty.unwrap_or(0.0);
         let width = |[low, high]: [f64; 2]| high - low;
@@ -194,7 +189,6 @@ impl Figure {
     }
 
     /// Returns the widest of the [`bands`](Self::bands).
-    #[must_use]
     pub fn band(&self) -> Option<[f64; 2]> {
         self.bands().first().map(|(_, band)| *band)
     }

@@ -54,7 +54,6 @@ pub struct Shift {
 
 impl Shift {
     /// True if the record fits clearly better when shifted.
-    #[must_use]
     pub fn matters(&self) -> bool {
         self.seconds.abs() > 2.0 * self.uncertainty_s
             && self.correlation - self.unshifted > GAIN
@@ -62,7 +61,6 @@ impl Shift {
     }
 
     /// Returns a message with the offset to write into the map. `before` is its present offset.
-    #[must_use]
     pub fn message(&self, reference: &str, before: Offset) -> String {
         let tidy = |seconds: f64| {
             let decimals = (1.0 - self.uncertainty_s.log10().floor()).clamp(0.0, 12.0) as usize;

@@ -15,7 +15,6 @@ impl ForeignError {
 }
 
 /// Lists the first entries, and the number of the others.
-#[must_use]
 pub fn first_of(list: &[String], most: usize, between: &str) -> String {
     let mut first = list[..most.min(list.len())].to_vec();
     if list.len() > most {

@@ -30,7 +30,6 @@ const MOST_LINES: usize = 1_000_000;
 const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
 
 /// True if a participant of that name would overwrite a file of the report.
-#[must_use]
 pub fn is_reserved(name: &str) -> bool {
     RESERVED
         .iter()
@@ -153,7 +152,6 @@ pub enum Word {
 
 impl Offset {
     /// Returns the offset known before the run, s; 0 for alignment.
-    #[must_use]
     pub fn seconds(self) -> f64 {
         match self {
             Self::Seconds(seconds) => seconds,
@@ -256,7 +254,6 @@ pub struct ColumnUncertainty {
 
 impl ColumnUncertainty {
     /// Returns the standard uncertainty of values whose root mean square is `rms`, in Pinwheel's unit.
-    #[must_use]
     pub fn of(&self, rms: f64) -> f64 {
         self.absolute
             .hypot(self.of_reading * rms)
@@ -335,7 +332,6 @@ pub enum Method {
 
 impl Method {
     /// Returns the word in the map.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Cubic => "cubic",
@@ -363,7 +359,6 @@ pub struct StatedLimit {
 
 impl Map {
     /// Returns the stated uncertainty of a channel of Pinwheel.
-    #[must_use]
     pub fn uncertainty_of(&self, channel: &str) -> Option<ColumnUncertainty> {
         let fits = |name: &str| match name.split_once('*') {
             None => name == channel,

@@ -60,7 +60,6 @@ pub(super) fn column<R>(
 }
 
 /// Returns the reason for a series without a finished point; `None` if it has one.
-#[must_use]
 pub fn failure(series: &Series) -> Option<String> {
     if series
         .points

@@ -14,7 +14,6 @@ pub use figures::failure;
 pub use text::text;
 
 /// Returns the page.
-#[must_use]
 pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
     let rankings = &measured.rankings();
     let scene = &measured.scene;

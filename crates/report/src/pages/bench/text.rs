@@ -7,7 +7,6 @@ use pinwheel_timeseries::table::{Mark, Table};
 use super::figures;
 
 /// Returns the cost of the target with every engine and method, without the path of the page.
-#[must_use]
 pub fn text(study: &WorkPrecision) -> String {
     let ranking = study.ranking(0, study.options.target);
     let rows = study.series.iter().zip(&ranking.entries);

@@ -25,7 +25,6 @@ pub use text::{details, text};
 use crate::pages::{animation, band, time_series};
 
 /// Returns the page.
-#[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let (comparison, participants) = (&found.comparison, &found.participants);
     let page = Page::new(comparison);

@@ -21,7 +21,6 @@ use crate::pages::band;
 
 /// Returns the answer on at most one screen, without the path of the page. Notes on measured data are shortened until it
 /// fits, then the reasons of excluded engines. [`details`] has every note and reason.
-#[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
     let trust = answer.trust();
@@ -94,7 +93,6 @@ fn with_notes(
 const SCREEN: usize = 30;
 
 /// Returns the text with every figure and every verdict.
-#[must_use]
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));

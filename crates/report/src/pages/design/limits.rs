@@ -26,7 +26,6 @@ fn named(limit: &Limit) -> String {
 }
 
 /// Returns the answer and its decisive limit.
-#[must_use]
 pub fn answer(limits: &Limits) -> (String, String) {
     let Some((limit, margin)) = limits.tightest().zip(limits.margin) else {
         return ("not judged".to_owned(), String::new());

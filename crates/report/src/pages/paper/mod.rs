@@ -12,7 +12,6 @@ mod text;
 pub use text::text;
 
 /// Returns the page.
-#[must_use]
 pub fn page(found: &PaperResult, made: &Provenance) -> String {
     // All rows of the two tables below.
     let figures = found.figures.iter().map(|figure| figure.verdict);

@@ -7,7 +7,6 @@ use pinwheel_timeseries::table::Table;
 use super::mark;
 
 /// Returns the verdicts, without the path of the page.
-#[must_use]
 pub fn text(found: &PaperResult) -> String {
     let figures = found.figures.iter();
     let figures = figures.map(|figure| (figure.name.as_str(), figure.verdict, &figure.title));

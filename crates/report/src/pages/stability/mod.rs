@@ -13,7 +13,6 @@ use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 /// Returns the page.
-#[must_use]
 pub fn page(atlas: &Atlas, made: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
     sections.insert(0, scenes(atlas));

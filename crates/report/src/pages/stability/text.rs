@@ -6,7 +6,6 @@ use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
 /// Number of scenes in which each method gives the right picture, its smallest step or largest error; without the place of the page.
-#[must_use]
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
     let cells = |place: usize| {

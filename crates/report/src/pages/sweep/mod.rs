@@ -25,7 +25,6 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-#[must_use]
 pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
     let unfinished = sweep::broken(plan, records).count();
     let sweep = &plan.sweep;

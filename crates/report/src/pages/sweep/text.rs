@@ -21,7 +21,6 @@ const SHOWN: [(&str, &str, &str); 3] = [
 ];
 
 /// Returns the list of planned runs.
-#[must_use]
 pub fn list(plan: &Plan) -> String {
     let mut table = Table::of("", &plan.runs)
         .whole("", "run", |run| Some(run.number))
@@ -33,7 +32,6 @@ pub fn list(plan: &Plan) -> String {
 }
 
 /// Returns endings of the runs and paths of the results; `files`: pairs of label and path.
-#[must_use]
 pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
         let all = records.iter();
