@@ -159,7 +159,7 @@ const OF_CRANKS: [&str; 6] = [
 ///
 /// One eccentric: 0.769, 0.783, 0.800 (printed drives of 10:1, 15:1 and 29:1 whose authors state both). RV gears: 0.674, 0.698, 0.735
 /// (the rings of `rv-40e-like`, `rv-80e-like` and `rv-320` in catalogue sizes of 190, 222 and 325 mm, from memory).
-const OF_OUTER: [f64; 3] = [0.78, 0.77, 0.80];
+const OF_OUTER: [f64; 3] = [0.78, 0.76, 0.80];
 const OF_OUTER_RV: [f64; 3] = [0.70, 0.67, 0.74];
 /// Largest bore for a crank over the cranks' circle.
 const BORE: f64 = 0.3;

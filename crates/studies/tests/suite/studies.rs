@@ -368,7 +368,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
 /// equal, under loads in the ratio q. The rest is the driver's torque, which is no constant: measured 1.3e-3 at most.
 #[test]
 fn crossval_figures_of_a_ring_are_the_carriers() {
-    for preset in ["forty-pins", "needle-bearings", "rv-40e-like"] {
+    for preset in ["forty-pins", "paper-bearings", "rv-40e-like"] {
         let ring = scene(preset, &["drive.output=ring"]);
         let less = ring.carrier_moment_per_output();
         let mut own = scene(preset, &[]);
