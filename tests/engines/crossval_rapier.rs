@@ -166,12 +166,14 @@ fn crossval_rapier_from_equilibrium() {
     }
 }
 
-/// A ring as output: its pins hang on it, and the contacts' loads turn with it. Measured 2.5e-5 from equilibrium.
+/// A ring as output: its pins hang on it, and the contacts' loads turn with it. A ring that is light beside its pins (1.4e-4 kg m^2 with
+/// 3e-3 of pins) takes more sweeps over the joints than there are, and diverges.
 #[test]
 fn crossval_rapier_a_ring_that_turns() {
     let settings = [
         ("drive.output", "\"ring\""),
         ("drive.start", "\"equilibrium\""),
+        ("mass.output_shaft.moment_kg_m2", "1e-3"),
         ("solver.duration_s", "0.02"),
     ];
     let scene = scene("paper", &settings);
