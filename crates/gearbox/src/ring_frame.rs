@@ -11,7 +11,7 @@
 use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::Layout;
-use crate::contacts::PairContact;
+use crate::contacts::pair::PairContact;
 
 /// Frame of a ring that is the output, with the states and loads that the contacts see in it.
 #[derive(Debug, Clone, Default)]
