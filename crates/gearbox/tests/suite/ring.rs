@@ -179,7 +179,7 @@ fn crossval_a_ring_as_output_is_a_turned_frame() {
 }
 
 /// The case of an RV gear turns, with an output so heavy that its frame turns evenly, and hardly any centrifugal force: forces are those of the gear by its carrier, with speed
-/// and load times R/(R - 1).
+/// and load times R/(R - 1). The rest are Coriolis forces on discs that swing, in proportion to the speed: 1.1e-4 at 19 rad/s.
 #[test]
 fn crossval_a_case_that_turns_is_a_turned_frame() {
     let always = [
@@ -187,13 +187,13 @@ fn crossval_a_case_that_turns_is_a_turned_frame() {
         "solver.tolerance=1e-11",
         "mass.output_shaft.moment_kg_m2=1e6",
         "solver.duration_s=0.0005",
-        "drive.input_speed_rad_s=19",
+        "drive.input_speed_rad_s=1.9",
         "gear.modification.equidistant_m=-5e-6",
     ];
     let of = |more: &[&str]| run(&gearbox("rv-40e-like", &[&always, more].concat())).time_series;
     let ring = of(&[RING, "drive.output_torque_n_m=-412"]);
     let carrier = of(&[
-        "drive.input_speed_rad_s=19.158333333333335",
+        "drive.input_speed_rad_s=1.9158333333333333",
         "drive.output_torque_n_m=415.43333333333334",
     ]);
     for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
@@ -202,7 +202,7 @@ fn crossval_a_case_that_turns_is_a_turned_frame() {
         let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs() / size);
         let off = off.fold(0.0, f64::max);
         println!("{kind} {size} {off:e}");
-        assert!(size > 1.0 && off < 1e-4, "{kind}: {off:e} of {size}");
+        assert!(size > 1.0 && off < 3e-5, "{kind}: {off:e} of {size}");
     }
 }
 
