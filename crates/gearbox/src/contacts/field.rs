@@ -113,23 +113,9 @@ impl ContactField {
     ///
     /// Derivatives assume that the input turns at a constant rate. Discs whose positions are not free move with it.
     pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        let Some(mut frame) = self.ring.take() else {
-            return self.evaluate_from_ring(bodies, request);
-        };
-        from_ring(bodies, &mut frame.seen);
-        frame.own.clear();
-        frame.own.resize(bodies.len(), Wrench::default());
-        let mut asked = Evaluation::of_loads(&mut frame.own);
-        asked.energy = request.energy.take();
-        self.evaluate_from_ring(&frame.seen, &mut asked);
-        request.energy = asked.energy;
-        if let Some(loads) = &mut request.loads {
-            frame.add_to_ground(&bodies[Layout::OUTPUT], loads);
+        if self.ring.is_some() {
+            return self.evaluate_in_ring(bodies, request);
         }
-        self.ring = Some(frame);
-    }
-
-    fn evaluate_from_ring(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         let seen = HeldPins::seen(&mut self.held, bodies);
         self.contacts.evaluate(seen, request);
         if let (Some(held), Some(loads)) = (&self.held, &mut request.loads) {
@@ -139,6 +125,24 @@ impl ContactField {
         if let Some(seals) = &self.seals {
             seals.add(bodies, request);
         }
+    }
+
+    #[cold]
+    fn evaluate_in_ring(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        let Some(mut frame) = self.ring.take() else {
+            return;
+        };
+        from_ring(bodies, &mut frame.seen);
+        frame.own.clear();
+        frame.own.resize(bodies.len(), Wrench::default());
+        let mut asked = Evaluation::of_loads(&mut frame.own);
+        asked.energy = request.energy.take();
+        self.evaluate(&frame.seen, &mut asked);
+        request.energy = asked.energy;
+        if let Some(loads) = &mut request.loads {
+            frame.add_to_ground(&bodies[Layout::OUTPUT], loads);
+        }
+        self.ring = Some(frame);
     }
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
