@@ -29,7 +29,8 @@ def gear(
     name: str = "mine",
     *,
     ratio: float,
-    pin_circle_diameter_mm: float,
+    pin_circle_diameter_mm: float | None = None,
+    outer_diameter_mm: float | None = None,
     torque_n_m: float,
     speed_rpm: float,
     cranks: int | None = None,
@@ -48,7 +49,7 @@ def gear(
     friction: float | None = None,
 ) -> Scene:
     """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
-    `cranks` makes it an RV gear with so many cranks. Clearances, bearings, friction and bending are suggested too, by the
+    `outer_diameter_mm` suggests the pin circle where none is given. `cranks` makes it an RV gear with so many cranks. Clearances, bearings, friction and bending are suggested too, by the
     `process` of the discs, unless it is `ideal`.
 
     >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
@@ -63,6 +64,7 @@ def gear(
         "ratio": ratio,
         "cranks": cranks,
         "pin_circle_diameter_m": metres(pin_circle_diameter_mm),
+        "outer_diameter_m": metres(outer_diameter_mm),
         "torque_n_m": torque_n_m,
         "speed_rad_s": speed_rpm * pi / 30.0,
         "material": material,

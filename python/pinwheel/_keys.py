@@ -150,7 +150,7 @@ class Keys(TypedDict, total=False):
     load_ramp_s: float
     """the load rises linearly over this time; 0: at once (s); if left out 0.0: the load acts at once"""
     output_torque_n_m: float
-    """load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one (N m)"""
+    """load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one, and of a ring the other way round (N m)"""
     speed_changes: Sequence[Mapping[str, Any]]
     """what the speed of the input becomes during the run"""
     start: Literal["kinematic", "equilibrium"]

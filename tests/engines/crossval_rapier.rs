@@ -166,6 +166,21 @@ fn crossval_rapier_from_equilibrium() {
     }
 }
 
+/// A ring as output: its pins hang on it, and the contacts' loads turn with it. A ring that is light beside its pins (1.4e-4 kg m^2 with
+/// 3e-3 of pins) takes more sweeps over the joints than there are, and diverges.
+#[test]
+fn crossval_rapier_a_ring_that_turns() {
+    let settings = [
+        ("drive.output", "\"ring\""),
+        ("drive.start", "\"equilibrium\""),
+        ("mass.output_shaft.moment_kg_m2", "1e-3"),
+        ("solver.duration_s", "0.02"),
+    ];
+    let scene = scene("paper", &settings);
+    let reference = native(&scene, "rk4", 5e-6);
+    assert_close(&run(SHARED, &scene), &reference, &BOTH, (0.0, 0.02), 1e-4);
+}
+
 /// Every law reaches rapier in both ways, the conservative one with its force along the profile. Measured 6e-6 to 7.2e-5.
 #[test]
 fn crossval_rapier_other_laws() {
@@ -376,6 +391,10 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         ] {
             assert!(reason(engine, &scene("paper", keys)).contains(named));
         }
+    }
+    for engine in [HOOK, COLLIDERS] {
+        let ring = scene("paper", &[("drive.output", "\"ring\"")]);
+        assert!(reason(engine, &ring).contains("drive.output"));
     }
     assert!(reason(COLLIDERS, &scene("paper-rough", &[])).contains("contact.detection"));
     let equilibrium = scene("paper", &[("drive.start", "\"equilibrium\"")]);

@@ -344,6 +344,90 @@ fn program_two_designs_side_by_side() {
     assert!(told.contains("No difference was shown"), "{told}");
 }
 
+/// Returns the numbers in a text, each with half a unit of its last digit.
+fn numbers(text: &str) -> Vec<[f64; 2]> {
+    let words = text.split(|c: char| !c.is_ascii_digit() && c != '.');
+    let number = |word: &str| {
+        let decimals = word.split_once('.').map_or(0, |(_, after)| after.len());
+        Some([word.parse().ok()?, 0.501 * 0.1_f64.powi(decimals as i32)])
+    };
+    words.filter_map(number).collect()
+}
+
+/// Makes the gears of the table in docs/design.md by their commands, and compares every figure in it with `design --statics`.
+fn check_table(names: &[&str]) {
+    let guide = std::fs::read_to_string(repository("docs/design.md")).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let figures = |command: &str, more: &str| {
+        let init = format!("{command} --force{more}");
+        assert_eq!(run_in(dir.path(), words(&init)).code, Some(0), "{init}");
+        let file = words(command)[1];
+        let design = format!("design {file} --statics --force --out r");
+        assert_eq!(run_in(dir.path(), words(&design)).code, Some(0), "{init}");
+        json(dir.path().join("r/summary.json"))["figures"].clone()
+    };
+    let mut found = [Value::Null, Value::Null];
+    let mut seen = 0;
+    let mut gear = String::new();
+    let rows = guide
+        .lines()
+        .skip_while(|l| !l.starts_with("| gear | figure |"));
+    for row in rows.skip(2).take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        if !cells[1].is_empty() {
+            gear = cells[1].trim_matches('`').to_owned();
+            let line = format!("pinwheel init {gear}.toml ");
+            let line = guide.lines().find(|l| l.starts_with(&line)).unwrap();
+            let command = line.trim_start_matches("pinwheel ");
+            if names.contains(&gear.as_str()) {
+                found = [" --ideal", ""].map(|more| figures(command, more));
+            }
+        }
+        if !names.contains(&gear.as_str()) {
+            continue;
+        }
+        let key = match cells[2] {
+            "lost motion, arcmin" => "lost_motion_arcmin",
+            "stiffness, N m/arcmin" => "torsional_stiffness_n_m_per_arcmin",
+            "ring pin, N" => "external_force_n",
+            "efficiency of slow motion, %" => "efficiency_slow_percent",
+            other => panic!("{other}"),
+        };
+        for (found, cell) in found.iter().zip(&cells[3..]) {
+            let all = found.as_array().unwrap();
+            let figure = all.iter().find(|figure| figure["key"] == key);
+            let value = |part: &str, end: usize| figure.map(|f| f[part][end].as_f64());
+            let known = [
+                figure.map(|f| f["value"].as_f64()),
+                value("by_contact_law", 0),
+                value("by_contact_law", 1),
+                value("by_fit", 0),
+                value("by_fit", 1),
+            ];
+            for ([printed, half], known) in numbers(cell).into_iter().zip(known) {
+                let known = known.flatten().unwrap();
+                assert!(
+                    (printed - known).abs() < half,
+                    "{gear}, {key}: {cell}, {known}"
+                );
+                seen += 1;
+            }
+        }
+    }
+    assert_eq!(seen, 25 * names.len());
+}
+
+#[test]
+fn regress_the_table_of_gears_as_built() {
+    check_table(&["readme", "rv81"]);
+}
+
+#[test]
+#[ignore = "weekly: 15 s for three gears more"]
+fn regress_the_table_of_more_gears_as_built() {
+    check_table(&["printed", "rv40", "drive"]);
+}
+
 /// An exceeded default limit is reported as text, a stated one gives status 1; a doubtful value is a line.
 #[test]
 fn program_design_says_whether_the_gear_bears_its_load() {

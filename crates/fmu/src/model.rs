@@ -322,7 +322,7 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     for &(name, what, about) in SHAFTS {
         let start = match what {
             What::Input(Input::DriveSpeed) => speed,
-            What::Input(Input::LoadSpeed) => gearbox.geometry.ideal_output_angle(speed),
+            What::Input(Input::LoadSpeed) => gearbox.geometry.ideal_turn_of_output(speed),
             What::Input(_) => 0.0,
             _ => f64::NAN,
         };

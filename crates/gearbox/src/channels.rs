@@ -12,6 +12,7 @@ use crate::carrier::Carrier;
 use crate::contacts::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::pressure::LinePressure;
+use crate::ring_frame::with_carrier;
 use crate::{Layout, Sleeve};
 
 /// Minutes of arc per radian.
@@ -48,7 +49,7 @@ impl PairSource for LawPairs<'_> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) -> bool {
         self.0.touching(bodies, visit);
-        self.0.carrier.pairs(bodies).iter().for_each(visit);
+        self.0.on_cranks(bodies).iter().for_each(visit);
         true
     }
 
@@ -176,6 +177,9 @@ impl Values {
         let losses = losses.flatten();
         let output = bodies[Layout::OUTPUT];
         let input = bodies[Layout::INPUT];
+        let ring_turns = self.geometry.ring_turns();
+        let held = ring_turns.then(|| with_carrier(bodies));
+        let carried_by = held.as_deref().unwrap_or(bodies);
         let powers = [
             seen.driver_torque_n_m * input.rate,
             output_torque * output.rate,
@@ -199,7 +203,7 @@ impl Values {
                     let body = carried(self.layout, joint, chosen.number);
                     let force = match joint {
                         Joint::Eccentric if self.carrier.floats() => {
-                            let load = self.carrier.load(bodies, chosen.number);
+                            let load = self.carrier.load(carried_by, chosen.number);
                             load.map(|load| load.on_wheel)
                         }
                         // Floating discs have no revolute.
@@ -228,16 +232,19 @@ impl Values {
                     Whole::DampingLoss => losses.map(|l| l.damping_w),
                     Whole::FrictionLoss => losses.map(|l| l.friction_w()),
                     Whole::TransmissionError => {
-                        let ideal = self.geometry.ideal_output_angle(input.angle);
+                        let ideal = self.geometry.ideal_turn_of_output(input.angle);
                         Some((output.angle - ideal) * ARCMIN)
                     }
                     Whole::WheelTransmissionError => {
                         let wheel = self.layout.wheel_bodies().start + chosen.number;
-                        let ideal = self.geometry.ideal_wheel_angle(chosen.number, input.angle);
+                        let mut ideal = self.geometry.ideal_wheel_angle(chosen.number, input.angle);
+                        if ring_turns {
+                            ideal += self.geometry.ideal_turn_of_output(input.angle);
+                        }
                         Some((bodies[wheel].angle - ideal) * ARCMIN)
                     }
                     Whole::BearingOffsetX | Whole::BearingOffsetY => {
-                        let load = self.carrier.load(bodies, chosen.number);
+                        let load = self.carrier.load(carried_by, chosen.number);
                         let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
                         Some(if whole == Whole::BearingOffsetX { x } else { y })
                     }

@@ -42,10 +42,9 @@ pub enum GearboxError {
         "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
     )]
     SpeedChanges,
-    /// Ring as output, which only native runs support.
+    /// Ring as output, where ring pins are fixed to the ground.
     #[error(
-        "drive.output = \"ring\" is known to native runs alone; the gear by its carrier, with speed and load times zs/zk, has equal forces, \
-         lost motion times zk/zs and stiffness times (zs/zk)^2"
+        "it fixes ring pins to the ground, and drive.output = \"ring\" turns them with the output"
     )]
     Ring,
     /// Name of an integrator that does not exist.

@@ -6,7 +6,7 @@ use serde::Serialize;
 use pinwheel_scene::free_play;
 
 use crate::Gearbox;
-use crate::scene::{Detection, Formulation, Gear, OutputPart, Scene, Stabilisation};
+use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
 
 /// One statement with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -112,7 +112,10 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
 fn pins(scene: &Scene, modelled: &mut Statements) {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];
-    let kinds = [("ring", "the housing"), ("output", "the output shaft")];
+    let kinds = match scene.ring_turns() {
+        true => [("ring", "the ring"), ("output", "the held carrier")],
+        false => [("ring", "the housing"), ("output", "the output shaft")],
+    };
     for ((pins, holder), turns) in kinds.into_iter().zip(turn) {
         if !turns {
             modelled.add(
@@ -266,7 +269,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         "from the start".to_owned()
     };
     modelled.add(format!("load of {load} N m on the output shaft"), rising);
-    if scene.drive.output == OutputPart::Ring {
+    if scene.ring_turns() {
         modelled.add(
             "the ring is the output, the carrier is held",
             "drive.output: contacts are those seen from the ring; inertia is in the frame of the ground, where the ring turns with its pins",

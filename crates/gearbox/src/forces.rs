@@ -7,8 +7,7 @@ use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
 use crate::linear_signal::LinearSignal;
 use crate::load_profile::{self, LoadSegment};
-use crate::ring_frame::{add_to_ground, from_ring};
-use crate::scene::{Drive, OutputPart};
+use crate::scene::Drive;
 use crate::{Gearbox, GearboxError};
 
 /// Applied forces of a gearbox.
@@ -28,8 +27,6 @@ pub struct GearForces {
     pub speed_in_torque_out: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
-    /// States and loads relative to the ring, if it is the output.
-    from_ring: Option<(Vec<BodyState>, Vec<Wrench>)>,
 }
 
 impl GearForces {
@@ -45,11 +42,7 @@ impl GearForces {
             sliding: gearbox.scene.sliding(),
             ramp_m_s: gearbox.scene.contact.friction_ramp_m_s,
             drive: gearbox.scene.drive.clone(),
-            field: gearbox.field_of(&gearbox.scene)?,
-            from_ring: match gearbox.scene.drive.output {
-                OutputPart::Carrier => None,
-                OutputPart::Ring => Some((Vec::new(), vec![Wrench::default(); layout.bodies()])),
-            },
+            field: gearbox.contact_field()?,
             load: load_profile::piece_at(&gearbox.scene.drive, 0.0),
             held: [LinearSignal::default(); 2],
             speed_in_torque_out: true,
@@ -81,32 +74,18 @@ impl Forces for GearForces {
 
     // Moments alone lack those of a free input.
     fn work_from_angles(&self) -> bool {
-        self.from_ring.is_none() && self.speed_in_torque_out && self.field.work_from_angles()
+        self.speed_in_torque_out && self.field.work_from_angles()
     }
 
     // Derivatives by time lack the input's acceleration.
     fn have_derivatives(&self) -> bool {
-        self.from_ring.is_none()
-            && self.drive.speed_changes.is_empty()
+        self.drive.speed_changes.is_empty()
             && self.speed_in_torque_out
             && self.field.have_derivatives()
     }
 
     fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        match &mut self.from_ring {
-            None => self.field.evaluate(bodies, request),
-            Some((seen, own)) => {
-                from_ring(bodies, seen);
-                own.fill(Wrench::default());
-                let mut asked = Evaluation::of_loads(own);
-                asked.energy = request.energy.take();
-                self.field.evaluate(seen, &mut asked);
-                request.energy = asked.energy;
-                if let Some(loads) = &mut request.loads {
-                    add_to_ground(own, &bodies[Layout::OUTPUT], loads);
-                }
-            }
-        }
+        self.field.evaluate(bodies, request);
         let torque = self.load.torque(t);
         let [input, output] = &self.held;
         if let Some(loads) = &mut request.loads {

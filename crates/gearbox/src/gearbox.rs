@@ -107,19 +107,14 @@ impl Gearbox {
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
     pub fn contact_field(&self) -> Result<ContactField, GearboxError> {
-        self.ring_is_held()?;
-        self.field_of(&self.scene)
+        Ok(ContactField {
+            ring: self.scene.ring_turns().then(Box::default),
+            ..self.field_of(&self.scene)?
+        })
     }
 
-    /// Refuses gears with the ring as output, whose contacts only a native run evaluates.
-    fn ring_is_held(&self) -> Result<(), GearboxError> {
-        match self.scene.drive.output {
-            OutputPart::Carrier => Ok(()),
-            OutputPart::Ring => Err(GearboxError::Ring),
-        }
-    }
-
-    /// Returns all forces of a scene between its bodies: contacts, bearings of floating discs, friction of pins, and seals.
+    /// Returns all forces of a scene between its bodies, relative to the ring: contacts, bearings of floating discs, friction of pins,
+    /// and seals.
     pub(crate) fn field_of(&self, scene: &Scene) -> Result<ContactField, GearboxError> {
         Ok(ContactField {
             carrier: self.carrier.clone(),
@@ -136,12 +131,11 @@ impl Gearbox {
         scene
     }
 
-    /// Creates the contacts only, without friction and bearings.
+    /// Creates the contacts only, without friction and bearings, relative to the ring.
     ///
     /// # Errors
     /// Errors of [`contact_field`](Self::contact_field).
     pub fn bare_field(&self) -> Result<ContactField, GearboxError> {
-        self.ring_is_held()?;
         contacts::contacts(&self.frictionless().at_work(), &self.geometry, self.kernel)
     }
 
@@ -168,6 +162,16 @@ impl Gearbox {
         let ring = ring.filter(|_| external && gear.external_sleeves_turn);
         let output = output.filter(|_| internal && gear.internal_sleeves_turn);
         ring.chain(output).collect()
+    }
+
+    /// Returns a moment on the output (N m) as one on the carrier's turn against the ring while the input is locked.
+    #[must_use]
+    pub fn along_carrier_n_m(&self, load_n_m: f64) -> f64 {
+        if self.scene.ring_turns() {
+            -load_n_m
+        } else {
+            load_n_m
+        }
     }
 
     /// Returns the twist of plate, flange and input shaft, rad, under a torque on the output, N m; 0 where they are rigid.
@@ -260,17 +264,24 @@ impl Gearbox {
     /// Returns the states at t = 0 at the ideal mesh: with its rates, ring pins at rest, and internal pins turning with the
     /// output.
     pub fn kinematic_states(&self) -> Vec<BodyState> {
-        let ring = self.scene.drive.output == OutputPart::Ring;
-        let speed = self.scene.drive.input_speed_rad_s
-            * if ring {
-                self.scene.eccentric_per_input()
-            } else {
-                1.0
-            };
+        self.to_ground(self.states_from_ring())
+    }
+
+    /// Returns states relative to the ring as those in the frame of the ground.
+    pub(crate) fn to_ground(&self, seen: Vec<BodyState>) -> Vec<BodyState> {
+        match self.scene.ring_turns() {
+            true => ring_frame::from_carrier(&seen),
+            false => seen,
+        }
+    }
+
+    /// Returns the [`kinematic_states`](Self::kinematic_states) relative to the ring.
+    pub(crate) fn states_from_ring(&self) -> Vec<BodyState> {
+        let speed = self.scene.drive.input_speed_rad_s;
         let slow = self.geometry.ideal_output_angle(speed);
         let turning = self.geometry.ideal_eccentric_angle(speed);
         let mut states = vec![BodyState::default(); self.layout.bodies()];
-        states[Layout::INPUT].rate = speed;
+        states[Layout::INPUT].rate = speed + self.geometry.input_per_carrier * slow;
         states[Layout::OUTPUT].rate = slow;
         for (i, body) in self.layout.wheel_bodies().enumerate() {
             let own = [self.geometry.ideal_wheel_angle(i, 0.0), slow];
@@ -282,9 +293,6 @@ impl Gearbox {
         }
         for (k, body) in self.layout.internal_bodies().enumerate() {
             states[body] = self.geometry.internal_state(k, [0.0, slow]);
-        }
-        if ring {
-            states = ring_frame::from_carrier(&states);
         }
         states
     }
@@ -337,7 +345,7 @@ impl Gearbox {
         for (j, index) in layout.external_bodies().enumerate() {
             let name = format!("ring pin {j}");
             bodies.push(body(name, mass.external_sleeve, index));
-            revolutes.push(pin(ring, [starts[index].x, starts[index].y], index));
+            revolutes.push(pin(ring, self.geometry.external_points[j], index));
         }
         for (k, index) in layout.internal_bodies().enumerate() {
             let name = format!("output pin {k}");
@@ -358,11 +366,10 @@ impl Gearbox {
         }];
         let gear = &self.scene.gear;
         if !gear.external_sleeves_turn {
-            drivers.extend(layout.external_bodies().map(|body| hold(None, body)));
+            drivers.extend(layout.external_bodies().map(|body| hold(ring, body)));
         }
         if !gear.internal_sleeves_turn {
-            let on_output = |body| hold(Some(Layout::OUTPUT), body);
-            drivers.extend(layout.internal_bodies().map(on_output));
+            drivers.extend(layout.internal_bodies().map(|body| hold(carrier, body)));
         }
         Mechanism {
             bodies,

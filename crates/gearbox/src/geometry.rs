@@ -14,7 +14,7 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
-use crate::scene::{Gear, OutputPart, Scene};
+use crate::scene::{Gear, Scene};
 
 /// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +54,12 @@ pub struct Geometry {
     lobes: f64,
     /// Ratio of the eccentrics' speed to the input's at the ideal mesh.
     eccentric_per_input: f64,
+    /// Turn of the eccentrics against the ring per turn of the input, and per turn of the carrier against the ring while the
+    /// input is locked.
+    eccentric_per_turn: [f64; 2],
+    /// Turn of the input against the ring per turn of the carrier against the ring while the input is locked: 1 if the ring is the
+    /// output, else 0.
+    pub(crate) input_per_carrier: f64,
 }
 
 impl Geometry {
@@ -130,11 +136,15 @@ impl Geometry {
             wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
-            // In the ring's frame input and eccentrics are one.
-            eccentric_per_input: match scene.drive.output {
-                OutputPart::Carrier => scene.eccentric_per_input(),
-                OutputPart::Ring => 1.0,
-            },
+            eccentric_per_input: scene.eccentric_per_input(),
+            eccentric_per_turn: [
+                scene.eccentric_per_held_carrier(),
+                match scene.cranks {
+                    _ if scene.ring_turns() => 1.0,
+                    cranks => cranks.map_or(0.0, |cranks| 1.0 + cranks.teeth_ratio()),
+                },
+            ],
+            input_per_carrier: f64::from(u8::from(scene.ring_turns())),
         })
     }
 
@@ -161,16 +171,21 @@ impl Geometry {
             && holes.all(|wheel| alike(wheel, gear.hole_radius_m))
     }
 
-    /// Returns the angle of the eccentrics from those of input and output, rad; rates likewise. In an RV gear it is (1 + rho)
-    /// output - rho input.
-    pub fn eccentric_angle(&self, input: f64, output: f64) -> f64 {
-        match self.teeth_ratio {
-            0.0 => input,
-            rho => (1.0 + rho) * output - rho * input,
-        }
+    /// Returns the angle of the eccentrics against the ring from those of the input and of the carrier against the ring, rad; rates
+    /// likewise. In an RV gear it is (1 + rho) carrier - rho input, and less the input's turn against a ring that is the output.
+    #[must_use]
+    pub fn eccentric_angle(&self, input: f64, carrier: f64) -> f64 {
+        let [per_input, per_carrier] = self.eccentric_per_turn;
+        per_carrier * carrier + per_input * input
     }
 
-    /// Returns the angle of the eccentrics from that of the input at the ideal mesh, rad.
+    /// Returns the turn of the eccentrics per turn of the carrier, both against the ring, while the input is locked.
+    pub(crate) fn eccentric_per_carrier(&self) -> f64 {
+        self.eccentric_per_turn[1]
+    }
+
+    /// Returns the angle of the eccentrics against the ring from that of the input at the ideal mesh, rad.
+    #[must_use]
     pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
         self.eccentric_per_input * input
     }
@@ -197,9 +212,23 @@ impl Geometry {
         (PI - self.ideal_eccentric_angle(phi) - self.wheel_phases[i]) / self.lobes
     }
 
-    /// Returns the angle of the output at the ideal mesh, for the input angle `phi`, rad.
+    /// Returns the angle of the carrier against the ring at the ideal mesh, for the input angle `phi`, rad: that of the output, or
+    /// its negative if the ring is the output ([`ideal_turn_of_output`](Self::ideal_turn_of_output)).
+    #[must_use]
     pub fn ideal_output_angle(&self, phi: f64) -> f64 {
         -self.ideal_eccentric_angle(phi) / self.lobes
+    }
+
+    /// Returns the angle of the output at the ideal mesh, for the input angle `phi`, rad.
+    #[must_use]
+    pub fn ideal_turn_of_output(&self, phi: f64) -> f64 {
+        let carrier = self.ideal_output_angle(phi);
+        if self.ring_turns() { -carrier } else { carrier }
+    }
+
+    /// True if the ring is the output.
+    pub(crate) fn ring_turns(&self) -> bool {
+        self.input_per_carrier != 0.0
     }
 
     /// Returns zs, the number of lobes of a disc: their pitch is 2 pi/zs.

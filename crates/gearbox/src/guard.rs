@@ -8,7 +8,6 @@ use pinwheel_mbs::BodyState;
 use crate::Gearbox;
 use crate::Layout;
 use crate::ring_frame::from_ring;
-use crate::scene::OutputPart;
 
 /// Largest deviation from the ideal mesh, in pitches (2 pi/zs), beyond the free play.
 const PITCHES: f64 = 0.25;
@@ -19,22 +18,22 @@ const PITCHES: f64 = 0.25;
 /// A message with the body that left its mesh and its deviation, or with the state that is not finite.
 #[inline]
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
+    let geometry = &gearbox.geometry;
+    let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| bodies[body].angle);
     let mut seen = Vec::new();
-    let bodies = match gearbox.scene.drive.output {
-        OutputPart::Carrier => bodies,
-        OutputPart::Ring => {
+    let bodies = match gearbox.scene.ring_turns() {
+        false => bodies,
+        true => {
             from_ring(bodies, &mut seen);
             &seen
         }
     };
-    let geometry = &gearbox.geometry;
-    let input = bodies[Layout::INPUT].angle;
     let pitch = pitch(gearbox);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let off = bodies[body].angle - geometry.ideal_wheel_angle(i, input);
         judge(pitch, off, geometry.wheel_play_rad, || format!("disc {i}"))?;
     }
-    check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
+    check_output(gearbox, input, output)
 }
 
 /// Checks the angle of the output shaft alone, at the input angle `input`, rad.
@@ -44,7 +43,7 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let play = geometry.wheel_play_rad + geometry.hole_play_rad;
-    let off = output - geometry.ideal_output_angle(input);
+    let off = output - geometry.ideal_turn_of_output(input);
     judge(pitch(gearbox), off, play, || "the output shaft".into())
 }
 

@@ -13,6 +13,8 @@ use crate::contacts::ContactField;
 #[derive(Debug, Clone)]
 pub struct Recorder {
     layout: Layout,
+    /// True if the ring is the output.
+    ring_turns: bool,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
     /// Samples, one after the other, that are not yet in the columns: with this many columns, writing several samples at a time
@@ -52,6 +54,7 @@ impl Recorder {
             rows: vec![0.0; ROWS * (columns::HEAD.len() + sleeves)],
             pending: 0,
             layout,
+            ring_turns: gearbox.scene.ring_turns(),
             time: Vec::with_capacity(samples),
             // The clone of an empty column would have no capacity.
             columns: (0..columns::HEAD.len() + sleeves)
@@ -154,11 +157,14 @@ impl Recorder {
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
 
-    /// Returns the torque of the forces on the output pins, N m.
+    /// Returns the torque of the forces on the output's pins, N m.
     fn output_torque(&self, bodies: &[BodyState], forces: &[Wrench]) -> f64 {
         let output = bodies[Layout::OUTPUT];
-        let forces = &forces[self.layout.external_sleeves..];
-        let sleeves = bodies[self.layout.internal_bodies()].iter().zip(forces);
+        let (pins, first) = match self.ring_turns {
+            true => (self.layout.external_bodies(), 0),
+            false => (self.layout.internal_bodies(), self.layout.external_sleeves),
+        };
+        let sleeves = bodies[pins].iter().zip(&forces[first..]);
         let moments = sleeves.map(|(body, force)| {
             let Wrench { fx, fy, .. } = force;
             (body.x - output.x) * fy - (body.y - output.y) * fx

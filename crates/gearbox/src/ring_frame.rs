@@ -11,6 +11,14 @@
 use pinwheel_mbs::{BodyState, Wrench};
 
 use crate::Layout;
+use crate::contacts::pair::PairContact;
+
+/// Frame of a ring that is the output, with the states and loads that the contacts see in it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RingFrame {
+    pub(crate) seen: Vec<BodyState>,
+    pub(crate) own: Vec<Wrench>,
+}
 
 fn turned([x, y]: [f64; 2], [cos, sin]: [f64; 2]) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
@@ -44,14 +52,42 @@ pub(crate) fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
     bodies
 }
 
-/// Adds loads given in the ring's frame to `loads` in the ground frame; those on the carrier act on the ground.
-pub(crate) fn add_to_ground(seen: &[Wrench], ring: &BodyState, loads: &mut [Wrench]) {
-    let (sin, cos) = ring.angle.sin_cos();
-    for (number, (load, own)) in loads.iter_mut().zip(seen).enumerate() {
-        if number != Layout::OUTPUT {
-            let [fx, fy] = turned([own.fx, own.fy], [cos, sin]);
-            (load.fx, load.fy) = (load.fx + fx, load.fy + fy);
-            load.moment += own.moment;
+impl RingFrame {
+    /// Adds the loads of the frame to `loads` in the ground frame. Those on the carrier act on the ground. The ring takes the moment
+    /// that balances all others: couples of pins that it holds.
+    pub(crate) fn add_to_ground(&self, ring: &BodyState, loads: &mut [Wrench]) {
+        let (sin, cos) = ring.angle.sin_cos();
+        for (number, (load, own)) in loads.iter_mut().zip(&self.own).enumerate() {
+            if number != Layout::OUTPUT {
+                let [fx, fy] = turned([own.fx, own.fy], [cos, sin]);
+                (load.fx, load.fy) = (load.fx + fx, load.fy + fy);
+                load.moment += own.moment;
+            }
         }
+        let all = self.seen.iter().zip(&self.own);
+        let others: f64 = all
+            .map(|(at, own)| at.x * own.fy - at.y * own.fx + own.moment)
+            .sum();
+        loads[Layout::OUTPUT].moment -= others;
+    }
+}
+
+/// Returns the states with the held carrier in place of a ring that is the output, for the bearings on its cranks.
+pub(crate) fn with_carrier(bodies: &[BodyState]) -> Vec<BodyState> {
+    let mut held = bodies.to_vec();
+    held[Layout::OUTPUT] = BodyState::default();
+    held
+}
+
+/// Returns a pair in the frame of the ring as one in the ground frame.
+pub(crate) fn pair_to_ground(pair: &PairContact, ring: &BodyState) -> PairContact {
+    let (sin, cos) = ring.angle.sin_cos();
+    let [point, normal, centre] =
+        [pair.point, pair.normal, pair.centre].map(|v| turned(v, [cos, sin]));
+    PairContact {
+        point,
+        normal,
+        centre,
+        ..*pair
     }
 }

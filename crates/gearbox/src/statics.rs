@@ -217,7 +217,7 @@ impl<'a> Statics<'a> {
         let turning = [&[Layout::OUTPUT], &wheels[..]].concat();
         Ok(Self {
             field: gearbox.bare_field()?,
-            bodies: gearbox.kinematic_states(),
+            bodies: gearbox.states_from_ring(),
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             motion: Motion::none(gearbox.layout.wheels),
             derivatives: Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free),
@@ -298,7 +298,9 @@ impl<'a> Statics<'a> {
         let mut turn = |body: usize, angle: f64, rate: f64| {
             (self.bodies[body].angle, self.bodies[body].rate) = (angle, rate);
         };
-        turn(Layout::INPUT, problem.phi, motion.speed);
+        let carried = self.gearbox.geometry.input_per_carrier;
+        let [angle, rate] = [carried * u[0], carried * motion.output[0]];
+        turn(Layout::INPUT, problem.phi + angle, motion.speed + rate);
         turn(Layout::OUTPUT, u[0], motion.output[0]);
         for (i, body) in self.gearbox.layout.wheel_bodies().enumerate() {
             let angle = match problem.free {
@@ -314,10 +316,8 @@ impl<'a> Statics<'a> {
     fn place(&mut self, problem: &Problem, u: &[f64]) {
         self.turn(problem, u);
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| {
-            let BodyState { angle, rate, .. } = self.bodies[body];
-            [angle, rate]
-        });
+        let BodyState { angle, rate, .. } = self.bodies[Layout::OUTPUT];
+        let (input, output) = ([problem.phi, self.motion.speed], [angle, rate]);
         let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
         for (i, body) in layout.wheel_bodies().enumerate() {
             let body = &mut self.bodies[body];
@@ -348,23 +348,24 @@ impl<'a> Statics<'a> {
         }
         self.place(problem, u);
         let all = self.forces(problem);
-        let discs = 0..self.gearbox.layout.wheels;
+        // Virtual work: rigid eccentrics turn with the carrier, and rigid cranks turn the discs.
+        let turns = self.gearbox.geometry.eccentric_per_carrier();
+        let bodies = &self.bodies[self.gearbox.layout.wheel_bodies()];
+        let turned = |own: f64| -> f64 {
+            let of = |(disc, load): (&BodyState, &[f64])| {
+                own * load[2] + turns * (disc.x * load[1] - disc.y * load[0])
+            };
+            let loads = all.as_slice()[1..].chunks(OF_A_DISC);
+            bodies.iter().zip(loads).map(of).sum()
+        };
         match problem.free {
             Free::Places => all,
             Free::Angles => {
-                let moments = discs.map(|i| all[OF_A_DISC * (i + 1)]);
-                DVector::from_iterator(u.len(), std::iter::once(all[0]).chain(moments))
+                let moments = (0..bodies.len()).map(|i| all[OF_A_DISC * (i + 1)]);
+                let output = std::iter::once(all[0] + turned(0.0));
+                DVector::from_iterator(u.len(), output.chain(moments))
             }
-            // Virtual work gives the one moment: the output takes the discs along, and their eccentrics turn with the cranks.
-            Free::Output => {
-                let cranks = 1.0 + self.gearbox.geometry.teeth_ratio;
-                let bodies = &self.bodies[self.gearbox.layout.wheel_bodies()];
-                let of = |(disc, load): (&BodyState, &[f64])| {
-                    load[2] + cranks * (disc.x * load[1] - disc.y * load[0])
-                };
-                let loads = all.as_slice()[1..].chunks(OF_A_DISC);
-                DVector::from_element(1, all[0] + bodies.iter().zip(loads).map(of).sum::<f64>())
-            }
+            Free::Output => DVector::from_element(1, all[0] + turned(1.0)),
         }
     }
 
@@ -372,7 +373,10 @@ impl<'a> Statics<'a> {
     /// them.
     fn moments(&mut self, load: f64) -> Option<DVector<f64>> {
         // Forces move discs that float.
-        if self.gearbox.carrier.floats() || !self.field.work_from_angles() {
+        if self.gearbox.carrier.floats()
+            || self.gearbox.scene.ring_turns()
+            || !self.field.work_from_angles()
+        {
             return None;
         }
         self.moments_by_body.fill(0.0);
@@ -405,6 +409,7 @@ impl<'a> Statics<'a> {
             let (b, l) = (&self.bodies[body], &self.loads[body]);
             output += b.x * l.fy - b.y * l.fx;
         }
+        output += self.gearbox.geometry.input_per_carrier * self.loads[Layout::INPUT].moment;
         let mut all = DVector::zeros(1 + OF_A_DISC * layout.wheels);
         all[0] = output - scene.output_inertia_kg_m2() * self.motion.output[1];
         let disc = scene.mass.wheel;
@@ -421,7 +426,8 @@ impl<'a> Statics<'a> {
     /// Adds the contacts' loads on the discs and returns the known moment on the output, N m. If that moment is not known, the
     /// loads on the output's pins are added too, and the moment is that of friction and seals.
     fn add_contacts(&mut self) -> f64 {
-        if !self.field.work_from_angles() {
+        // Forces on discs have a moment on the eccentrics, which turn with a ring's frame.
+        if self.gearbox.scene.ring_turns() || !self.field.work_from_angles() {
             self.field.add_loads(&self.bodies, &mut self.loads);
             return self.loads[Layout::OUTPUT].moment;
         }
@@ -444,7 +450,7 @@ impl<'a> Statics<'a> {
         here: &DVector<f64>,
     ) -> Option<DMatrix<f64>> {
         let by_differences = match problem.free {
-            _ if self.rubs => true,
+            _ if self.rubs || self.gearbox.scene.ring_turns() => true,
             Free::Output => true,
             Free::Angles => self.tells_moments,
             Free::Places => false,
@@ -536,10 +542,9 @@ impl<'a> Statics<'a> {
         };
         let (shape, left) = (solve(&stiffness)?, solve(&stiffness.transpose())?);
         let stiffness = -1.0 / shape[0];
-        Some([
-            stiffness,
-            -stiffness * stiffness * left.dot(&(damping * shape)),
-        ])
+        let damping = -stiffness * stiffness * left.dot(&(damping * shape));
+        let seen = self.gearbox.scene.carrier_moment_per_output().powi(2);
+        Some([stiffness, damping].map(|of_carrier| of_carrier / seen))
     }
 
     /// Returns true if the ideal mesh is in balance without a load, but for rounding. No other rest position within the play is
@@ -751,14 +756,14 @@ impl<'a> Statics<'a> {
     ///
     /// Angles along the equilibria are functions of the input angle. Rates are therefore `omega d/dphi` and accelerations
     /// `omega^2 d^2/dphi^2`, by central differences. A second solution includes the damping at these rates and the moments of
-    /// these accelerations; its derivatives give the rates. Pins spin as at the kinematic start.
+    /// these accelerations; its derivatives give the rates. Pins spin as at the kinematic start, held ones with the output.
     ///
     /// # Errors
     /// See [`Statics::solve`].
     pub fn moving(&mut self) -> Result<Vec<BodyState>, GearboxError> {
         let (speed, load) = (
             self.gearbox.scene.drive.input_speed_rad_s,
-            self.gearbox.load_torque(0.0),
+            (self.gearbox).along_carrier_n_m(self.gearbox.load_torque(0.0)),
         );
         // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
         let mesh = std::f64::consts::TAU / (self.gearbox.geometry.lobes() + 1.0);
@@ -774,25 +779,36 @@ impl<'a> Statics<'a> {
                 let bend = speed * speed * (a - 2.0 * m + b) / (h * h);
                 [speed * (b - a) / (2.0 * h), bend]
             };
-            let wheels = before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
+            // Rates are relative to the ring, accelerations to the ground.
+            let seen = [&before, &here, &after].map(|at| at.bodies.clone());
+            let ground = seen.clone().map(|bodies| self.gearbox.to_ground(bodies));
+            let course = |body: usize, of: fn(&BodyState) -> f64| {
+                let [[rate, _], [_, bend]] = [&seen, &ground].map(|at| {
+                    let [b, m, a] = [0, 1, 2].map(|k| of(&at[k][body]));
+                    derivatives(b, m, a)
+                });
+                [rate, bend]
+            };
             let centre = |body: usize| {
-                let [b, m, a] = [&before, &here, &after].map(|at| at.bodies[body]);
-                let ([vx, ax], [vy, ay]) = (derivatives(b.x, m.x, a.x), derivatives(b.y, m.y, a.y));
+                let [[vx, ax], [vy, ay]] = [course(body, |b| b.x), course(body, |b| b.y)];
                 [[vx, vy], [ax, ay]]
             };
+            let wheels = self.gearbox.layout.wheel_bodies();
             self.motion = Motion {
-                centres: self.gearbox.layout.wheel_bodies().map(centre).collect(),
+                centres: wheels.clone().map(centre).collect(),
                 speed,
-                wheels: wheels.map(|((a, m), b)| derivatives(*a, *m, *b)).collect(),
+                wheels: wheels.map(|body| course(body, |b| b.angle)).collect(),
                 output: derivatives(before.output, here.output, after.output),
             };
             here = self.solve_near(&here, 0.0, load)?;
         }
-        let mut states = here.bodies;
-        let kinematic = self.gearbox.kinematic_states();
-        for body in self.gearbox.layout.internal_bodies() {
-            states[body].angle = kinematic[body].angle;
-            states[body].rate = kinematic[body].rate;
+        let mut states = self.gearbox.to_ground(here.bodies);
+        if self.gearbox.scene.gear.internal_sleeves_turn {
+            let kinematic = self.gearbox.kinematic_states();
+            for body in self.gearbox.layout.internal_bodies() {
+                states[body].angle = kinematic[body].angle;
+                states[body].rate = kinematic[body].rate;
+            }
         }
         self.motion = Motion::none(self.gearbox.layout.wheels);
         Ok(states)

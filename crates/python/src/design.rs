@@ -7,7 +7,7 @@ use pinwheel::fmu::{Imprint, Package, PackageError};
 use pinwheel::pages;
 use pinwheel::report::figure::shown;
 use pinwheel::scene::as_built::PROCESSES;
-use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
+use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS, pin_circle_of_m};
 use pinwheel::scene::did_you_mean;
 use pinwheel::studies::design as designs;
 use pyo3::conversion::FromPyObjectOwned;
@@ -42,11 +42,22 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
     let process = |name: String| named("process", &name, PROCESSES, |known| known.name);
     let (pins, made): (Option<String>, Option<String>) =
         (value(given, "pin_material")?, value(given, "process")?);
+    let (outer, cranks): (Option<f64>, Option<usize>) =
+        (value(given, "outer_diameter_m")?, value(given, "cranks")?);
     let catalogue = Catalogue {
         name,
         ratio: value(given, "ratio")?,
-        cranks: value(given, "cranks")?,
-        pin_circle_diameter_m: value(given, "pin_circle_diameter_m")?,
+        cranks,
+        pin_circle_diameter_m: match (value(given, "pin_circle_diameter_m")?, outer) {
+            (Some(circle), None) => circle,
+            (None, Some(outer)) => pin_circle_of_m(outer, cranks.is_some()),
+            _ => {
+                return Err(input(
+                    "give either pin_circle_diameter_mm or outer_diameter_mm",
+                ));
+            }
+        },
+        outer_diameter_m: outer,
         torque_n_m: value(given, "torque_n_m")?,
         speed_rad_s: value(given, "speed_rad_s")?,
         material: material(value(given, "material")?)?,

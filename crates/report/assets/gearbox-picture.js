@@ -97,7 +97,7 @@ const PinwheelPicture = (() => {
       pen.beginPath();
       circle(pen, 0, 0, rim);
       stroke(pen, colours.rule, 0.5);
-      plain(pen, state.external, colours);
+      if (!gear.ring) plain(pen, state.external, colours);
     }
     /** The parts that do not move, kept for the next frame; `once`: the gear has none. */
     function ground(colours, once) {
@@ -238,6 +238,8 @@ const PinwheelPicture = (() => {
     /** The state as it is now, with a label at the pin `hovered`; see `ground`. */
     function draw(colours, hovered, once) {
       ground(colours, once);
+      upright(context);
+      if (gear.ring) plain(context, state.external, colours);
       // The last disc behind.
       for (let i = gear.wheels - 1; i >= 0; i -= 1) if (options.wheels[i]) wheel(i, colours);
       upright(context);

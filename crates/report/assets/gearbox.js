@@ -115,20 +115,25 @@ const PinwheelGearbox = (() => {
       const phi = leg.angle + since * (leg.rate + 0.5 * since * leg.acceleration);
       // Cranks of an RV gear turn at another angle than the input.
       const turned = gear.per * phi;
-      const psi = -turned / zs + between(error, s);
+      const ideal = -turned / zs;
+      const psi = (gear.ring ? -ideal : ideal) + between(error, s);
+      // Angles of carrier and ring; one of them is held.
+      const [carrier, ring] = gear.ring ? [0, psi] : [psi, 0];
       Object.assign(state, { t, phi, psi, input: between(input, s), output: between(output, s) });
-      const [cos, sin] = [Math.cos(psi), Math.sin(psi)];
-      for (const sleeve of internal) {
-        sleeve.x = cos * sleeve.px - sin * sleeve.py;
-        sleeve.y = sin * sleeve.px + cos * sleeve.py;
+      for (const [held, angle] of [[internal, carrier], [external, ring]]) {
+        const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+        for (const sleeve of held) {
+          sleeve.x = cos * sleeve.px - sin * sleeve.py;
+          sleeve.y = sin * sleeve.px + cos * sleeve.py;
+        }
       }
       for (const sleeve of sleeves) { sleeve.fx = 0; sleeve.fy = 0; }
       bodies.forEach((body, i) => {
         // The disc's centre: its eccentric's, and what its bearing gives way by.
         for (const k of view.offset > 0 ? [0, 1] : []) body.off[k] = between(offsets[2 * i + k], s);
-        const x = body.e * Math.cos(turned + body.phase) + body.off[0];
-        const y = body.e * Math.sin(turned + body.phase) + body.off[1];
-        const theta = (Math.PI - turned - body.phase) / zs + between(wheels[i], s);
+        const x = body.e * Math.cos(turned + ring + body.phase) + body.off[0];
+        const y = body.e * Math.sin(turned + ring + body.phase) + body.off[1];
+        const theta = (Math.PI - turned - body.phase) / zs + (gear.ring ? -ideal : 0) + between(wheels[i], s);
         const [c, sn] = [Math.cos(theta), Math.sin(theta)];
         Object.assign(body, { x, y, theta, count: 0, loaded: 0 });
         sleeves.forEach((sleeve, n) => {
@@ -137,7 +142,7 @@ const PinwheelGearbox = (() => {
           const [px, py] = [c * (sleeve.x - x) + sn * (sleeve.y - y), c * (sleeve.y - y) - sn * (sleeve.x - x)];
           let [nx, ny] = [0, 0];
           if (n < gear.zk) {
-            ({ nx, ny } = foot(at, px, py, sleeve.beta - theta));
+            ({ nx, ny } = foot(at, px, py, sleeve.beta + ring - theta));
             body.loaded += 1;
           } else if (gear.sun) {
             // The magnitude of a crank bearing's force is known, its direction is not: it gets a colour and no arrow.

@@ -36,6 +36,8 @@ pub struct Catalogue {
     pub cranks: Option<usize>,
     /// Diameter of the ring pins' circle, m.
     pub pin_circle_diameter_m: f64,
+    /// Outer diameter that the circle was suggested by ([`pin_circle_of_m`]), m; `None`: the circle is given.
+    pub outer_diameter_m: Option<f64>,
     /// Rated torque of the output, N m.
     pub torque_n_m: f64,
     /// Rated speed of the input, rad/s.
@@ -152,11 +154,29 @@ const OF_CRANKS: [&str; 6] = [
     "bearings.eccentric.roller_length_m",
     "bearings.eccentric.roller_diameter_m",
 ];
+/// Diameter of the pin circle over the outer diameter: suggested, least and largest of known gears.
+///
+/// One eccentric: 0.769, 0.783, 0.800 (printed drives of 10:1, 15:1 and 29:1 whose authors state both). RV gears: 0.674, 0.698, 0.735
+/// (the rings of `rv-40e-like`, `rv-80e-like` and `rv-320` in catalogue sizes of 190, 222 and 325 mm, from memory).
+const OF_OUTER: [f64; 3] = [0.78, 0.76, 0.80];
+const OF_OUTER_RV: [f64; 3] = [0.70, 0.67, 0.74];
 /// Largest bore for a crank over the cranks' circle.
 const BORE: f64 = 0.3;
 
 const LEFT_OUT: &str = "# Left out: torsion of carrier, case and flanges, discs that bend, main bearings, backlash of the first stage. They make\n\
                         # most of a real RV gear's compliance; `pinwheel design --stated-stiffness-n-m-arcmin` says how much is missing.\n";
+
+fn of_outer(is_rv: bool) -> [f64; 3] {
+    if is_rv { OF_OUTER_RV } else { OF_OUTER }
+}
+
+/// Returns the suggested diameter of the pin circle of a gear with this outer diameter, m, in whole millimetres from 20 mm on.
+#[must_use]
+pub fn pin_circle_of_m(outer_diameter_m: f64, is_rv: bool) -> f64 {
+    let circle = of_outer(is_rv)[0] * outer_diameter_m;
+    let unit = if circle < 0.02 { 1e-4 } else { 1e-3 };
+    (circle / unit).round() * unit
+}
 
 /// Numbers of pins and of teeth of sun and planet.
 type FirstStage = [usize; 3];
@@ -464,6 +484,9 @@ impl Catalogue {
         if self.wheels.is_none() {
             suggested.push("gear.wheels");
         }
+        if self.outer_diameter_m.is_some() {
+            suggested.push("gear.pin_circle_radius_m");
+        }
         Ok((gear, suggested))
     }
 
@@ -562,16 +585,28 @@ impl Catalogue {
             short(self.speed_rad_s * 30.0 / PI)
         );
         let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
-        let mark = |key: &str| match suggested.contains(&key) {
-            true => "suggested: ",
-            false => "",
+        // Behind the bar stands why a suggested value is what it is.
+        let mark = |key: &str, about: &str| match (suggested.contains(&key), about.split_once('|'))
+        {
+            (true, Some((about, why))) => format!("suggested: {about}; {why}"),
+            (true, None) => format!("suggested: {about}"),
+            (false, parts) => parts.map_or(about, |(about, _)| about).to_owned(),
         };
         let mut line = |key: &'static str, value: String, about: &str| {
-            let mark = mark(key);
+            let about = mark(key, about);
             let assignment = format!("{} = {value}", key.rsplit('.').next().unwrap_or(key));
-            let _ = writeln!(text, "{assignment:<44} # {mark}{about}");
+            let _ = writeln!(text, "{assignment:<44} # {about}");
         };
         let m = written;
+        let circle_of = self.outer_diameter_m.map(|outer| {
+            let [share, least, most] = of_outer(self.cranks.is_some());
+            let [from, to] = [least, most].map(|share| short((5e4 * share * outer).round() / 1e2));
+            let outer = millimetres(outer);
+            format!(
+                "R, {share} of half the outer diameter of {outer} mm; known gears {least} to {most}: {from} to {to} mm"
+            )
+        });
+        let circle_of = circle_of.unwrap_or_else(|| "R, circle of the pins".to_owned());
         let shortening = format!("e; shortening coefficient e zk/R = {:.3}", gear.shortening);
         macro_rules! lines {
             ($($key:literal $value:expr, $about:expr;)*) => {
@@ -579,16 +614,16 @@ impl Catalogue {
             };
         }
         lines! {
-            "gear.pin_circle_radius_m" m(0.5 * self.pin_circle_diameter_m), "R, circle of the pins";
+            "gear.pin_circle_radius_m" m(0.5 * self.pin_circle_diameter_m), &circle_of;
             "gear.external_sleeves" gear.external_sleeves.to_string(), match (self.cranks, self.ratio > MANY) {
                 (Some(_), _) => "pins on the housing",
                 (None, true) => "pins on the housing: ratio + 1, in one stage; of two stages in one housing make each a scene",
                 (None, false) => "pins on the housing: ratio + 1",
             };
-            "gear.external_sleeve_radius_m" m(gear.external_sleeve_radius_m), "radius of a pin with its sleeve";
+            "gear.external_sleeve_radius_m" m(gear.external_sleeve_radius_m), "radius of a pin with its sleeve|0.65 of half the pitch, less if that undercuts";
             "gear.eccentricity_m" m(gear.eccentricity_m), &shortening;
-            "gear.wheels" gear.wheels.to_string(), "cycloidal discs, evenly phased";
-            "gear.face_width_m" m(gear.face_width_m.unwrap_or_default()), "thickness of a disc; masses follow from it";
+            "gear.wheels" gear.wheels.to_string(), "cycloidal discs, evenly phased|two balance each other";
+            "gear.face_width_m" m(gear.face_width_m.unwrap_or_default()), "thickness of a disc; masses follow from it|0.15 R";
         }
         if gear.backlash_m > 0.0 {
             line(
@@ -600,9 +635,9 @@ impl Catalogue {
         let circle = m(gear.internal_circle_radius_m);
         if self.cranks.is_none() {
             lines! {
-                "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins";
-                "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its pin; holes are larger by e";
-                "gear.internal_circle_radius_m" circle, "circle of the output pins";
+                "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins|eight, or what leaves walls";
+                "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its pin; holes are larger by e|the largest that leaves walls";
+                "gear.internal_circle_radius_m" circle, "circle of the output pins|0.62 of the pits' radius, or what leaves walls";
             }
             text.push_str(&section(as_built, "gear", false));
             text.push_str(&section(as_built, "bearings.eccentric", true));
@@ -622,17 +657,20 @@ impl Catalogue {
             let _ = write!(
                 text,
                 "\n[cranks]\n\
-                 count = {:<36} # cranks, each with a planet\n\
-                 circle_radius_m = {circle:<26} # {}circle they stand on\n\
-                 bore_radius_m = {:<28} # suggested: a disc's bore for a crank\n\
+                 count = {:<36} # cranks, each with a planet; usual are 2, and 3 from a pin circle of 200 mm on\n\
+                 circle_radius_m = {circle:<26} # {}\n\
+                 bore_radius_m = {:<28} # suggested: a disc's bore for a crank; the largest that leaves walls\n\
                  sun_teeth = {sun:<32} # suggested: 1 + {pins} planet/sun is the ratio\n\
-                 planet_teeth = {planet:<29} # suggested\n\
+                 planet_teeth = {planet:<29} # suggested: as the sun's, with next to 40 pins\n\
                  {supports}\n[bearings.eccentric]\n\
-                 rollers = {needles:<34} # suggested: needles in a bore\n\
-                 roller_length_m = {:<26} # suggested\n\
-                 roller_diameter_m = {:<24} # suggested, for its ratings\n{play}",
+                 rollers = {needles:<34} # suggested: needles in a bore, 0.85 of the way around\n\
+                 roller_length_m = {:<26} # suggested: 0.9 of a disc\n\
+                 roller_diameter_m = {:<24} # suggested: for its ratings\n{play}",
                 gear.internal_sleeves,
-                mark("cranks.circle_radius_m"),
+                mark(
+                    "cranks.circle_radius_m",
+                    "circle they stand on|0.62 of the pits' radius, or what leaves walls"
+                ),
                 m(bore),
                 m(length),
                 m(rounded_down(2.0 * NEEDLE * bore)),

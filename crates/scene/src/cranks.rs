@@ -31,39 +31,58 @@ impl Cranks {
 }
 
 impl Scene {
-    /// Returns the rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk
-    /// + rho) of an RV gear, and zs/zk if the ring is the output.
-    pub fn eccentric_per_input(&self) -> f64 {
-        if self.drive.output == OutputPart::Ring {
-            return self.gear.lobes() as f64 / self.gear.external_sleeves as f64;
-        }
-        self.cranks.as_ref().map_or(1.0, |cranks| {
-            let (rho, zk) = (cranks.teeth_ratio(), self.gear.external_sleeves as f64);
-            -rho * self.gear.lobes() as f64 / (zk + rho)
-        })
+    /// True if the ring is the output, and the carrier is held.
+    #[must_use]
+    pub fn ring_turns(&self) -> bool {
+        self.drive.output == OutputPart::Ring
     }
 
-    /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk of a
-    /// ring.
+    /// Returns the rotation of the eccentrics per rotation of the input while the carrier is held: 1, and -rho of an RV gear.
+    #[must_use]
+    pub fn eccentric_per_held_carrier(&self) -> f64 {
+        self.cranks.map_or(1.0, |cranks| -cranks.teeth_ratio())
+    }
+
+    /// Returns the rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk
+    /// + rho) of an RV gear, and zs/zk of that with a held carrier if the ring is the output.
+    #[must_use]
+    pub fn eccentric_per_input(&self) -> f64 {
+        let (zs, zk) = (self.gear.lobes() as f64, self.gear.external_sleeves as f64);
+        let held = self.eccentric_per_held_carrier();
+        match &self.cranks {
+            _ if self.ring_turns() => held * zs / zk,
+            Some(cranks) => held * zs / (zk + cranks.teeth_ratio()),
+            None => held,
+        }
+    }
+
+    /// Returns the moment on the carrier per moment on the output, unsigned: 1, zs/zk of a ring, R/(R - 1) of that of an RV gear.
+    #[must_use]
+    pub fn carrier_moment_per_output(&self) -> f64 {
+        match self.ring_turns() {
+            true => (1.0 - self.output_per_input()).abs(),
+            false => 1.0,
+        }
+    }
+
+    /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk or -rho/zk of
+    /// a ring.
+    #[must_use]
     pub fn output_per_input(&self) -> f64 {
         let carrier = -self.eccentric_per_input() / self.gear.lobes() as f64;
-        match self.drive.output {
-            OutputPart::Carrier => carrier,
-            OutputPart::Ring => -carrier,
-        }
+        if self.ring_turns() { -carrier } else { carrier }
     }
 
     /// Returns the input turns per output turn, unsigned.
     pub fn ratio(&self) -> f64 {
-        if self.drive.output == OutputPart::Ring {
-            return self.gear.external_sleeves as f64;
+        let gear = &self.gear;
+        let (planet, sun) = (self.cranks).map_or((1, 1), |c| (c.planet_teeth, c.sun_teeth));
+        let of_ring = (gear.external_sleeves * planet) as f64 / sun as f64;
+        match self.cranks {
+            _ if self.ring_turns() => of_ring,
+            Some(_) => 1.0 + of_ring,
+            None => gear.lobes() as f64,
         }
-        self.cranks
-            .as_ref()
-            .map_or(self.gear.lobes() as f64, |cranks| {
-                let planets = self.gear.external_sleeves * cranks.planet_teeth;
-                1.0 + planets as f64 / cranks.sun_teeth as f64
-            })
     }
 
     /// Returns the largest speed of the eccentrics at the ideal mesh, rad/s.
@@ -78,17 +97,21 @@ impl Scene {
         let mut shaft = self.mass.input_shaft;
         if let Some(cranks) = &self.cranks {
             let on_output = (1.0 + cranks.teeth_ratio()) * self.output_per_input();
-            let share = self.eccentric_per_input().powi(2) - on_output.powi(2);
+            let share = match self.ring_turns() {
+                true => cranks.teeth_ratio().powi(2),
+                false => self.eccentric_per_input().powi(2) - on_output.powi(2),
+            };
             let turning = cranks.count as f64 * self.mass.internal_sleeve.moment_kg_m2;
             shaft.moment_kg_m2 += share * turning;
         }
         shaft
     }
 
-    /// Returns the output shaft with its share of the turning cranks' inertia.
+    /// Returns the output shaft with its share of the turning cranks' inertia; a ring has none.
+    #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.output_shaft;
-        if let Some(cranks) = &self.cranks {
+        if let Some(cranks) = self.cranks.filter(|_| !self.ring_turns()) {
             let turning = cranks.count as f64 * self.mass.internal_sleeve.moment_kg_m2;
             shaft.moment_kg_m2 += (1.0 + cranks.teeth_ratio()).powi(2) * turning;
         }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 
-use super::model::{Gear, OutputPart, Scene};
+use super::model::{Gear, Scene};
 use super::profile::Profile;
 use crate::body::bore_radius_m;
 use crate::wall::hole_to_profile_m;
@@ -118,7 +118,8 @@ impl Derived {
             "the last load/ratio, if the contacts neither lose nor create energy"
         };
         let direction = match scene.cranks {
-            _ if scene.drive.output == OutputPart::Ring => "zk: the ring turns with the input",
+            Some(_) if scene.ring_turns() => "zk planet/sun: the ring turns against the input",
+            None if scene.ring_turns() => "zk: the ring turns with the input",
             Some(_) => "1 + zk planet/sun: the output turns with the input",
             None => "the output turns against the input",
         };

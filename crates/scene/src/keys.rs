@@ -245,9 +245,9 @@ pub const KEYS: &[Key] = keys! {
     "gear.errors.phase_rad" Numbers(ANGLE), Nothing, "of each disc, how far its eccentric stands counter-clockwise of its place", LIST;
 
     "drive.input_speed_rad_s" SPEED, Required, "omega", RPM;
-    "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one", LOAD;
+    "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one, and of a ring the other way round", LOAD;
     "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Constant("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
-    "drive.output" Choice("output", || vec!["carrier", "ring"]), Nothing, "what turns the output: the carrier of the output pins, or the ring while the carrier is held (ratio zk, same sense); mass.output_shaft and the load are then the ring's", "\"carrier\" or \"ring\"";
+    "drive.output" Choice("output", || vec!["carrier", "ring"]), Nothing, "what turns the output: the carrier of the output pins, or the ring while the carrier is held (ratio zk, same sense; of an RV gear the case, R - 1, against the input); mass.output_shaft and the load are then the ring's", "\"carrier\" or \"ring\"";
     "drive.load_ramp_s" TIME, Constant("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
     "drive.speed_changes" Tables(SPEED_CHANGE), Nothing, "what the speed of the input becomes during the run", "write it like [{ time_s = 0.3, input_speed_rad_s = 80.0, ramp_s = 0.02 }]";

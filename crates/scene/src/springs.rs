@@ -179,6 +179,7 @@ pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
 pub(crate) fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
     let unloaded = outer.force(least_depth(scene));
-    let load = load_profile::largest(&scene.drive) / gear.wheels as f64;
+    let on_carrier = scene.carrier_moment_per_output() * load_profile::largest(&scene.drive);
+    let load = on_carrier / gear.wheels as f64;
     load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
 }

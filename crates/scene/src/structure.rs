@@ -113,7 +113,9 @@ impl Scene {
         Some(seat_n_m(length, [pin, housing], force))
     }
 
-    /// Twist of the output beyond its pins under a torque (N m), rad: of carrier and flange, plate and input shaft.
+    /// Twist of the output beyond its pins under a torque (N m), rad: of carrier and flange, plate and input shaft. A held carrier
+    /// twists under its own moment, and a ring follows by the same ratio.
+    #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
         let structure = &self.structure;
         let flange = self.bearings.output_torsion_n_m_rad;
@@ -126,7 +128,9 @@ impl Scene {
         let input = structure
             .input_torsion_n_m_rad
             .map(|k| k * self.ratio().powi(2));
-        let springs = [flange, plate, input].into_iter().flatten();
+        let seen = self.carrier_moment_per_output().powi(2);
+        let held = [flange, plate].map(|spring| spring.map(|k| k / seen));
+        let springs = held.into_iter().chain([input]).flatten();
         springs.map(|stiffness| torque_n_m / stiffness).sum()
     }
 

@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{CheckedScene, OutputPart, Scene, scales};
+use pinwheel_scene::{CheckedScene, Scene, scales};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::definitions::{
     CRANK_FORCE, EXTERNAL_FORCE, INTERNAL_FORCE, LOST_MOTION, STIFFNESS,
@@ -241,11 +241,10 @@ pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, Stu
     }
 }
 
-/// Returns the reason why a scene gets no bands: its ring is the output, it names no laws, or its contacts were made softer
-/// or stiffer without naming laws.
+/// Returns the reason why a scene gets no bands: it names no laws, or its contacts were made softer or stiffer without naming laws.
+#[must_use]
 pub fn declined(scene: &Scene) -> Option<&'static str> {
     match scene.contact.band_laws.as_deref() {
-        _ if scene.drive.output == OutputPart::Ring => Some("drive.output is \"ring\""),
         Some([]) => Some("contact.band_laws is empty"),
         None if scene.contact.stiffness_multiplier != 1.0 => {
             Some("contact.stiffness_multiplier is not 1")
@@ -256,8 +255,7 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
 
 /// True if a scene asks for no laws, and has no fits that statics could compare.
 fn is_alone(scene: &Scene) -> bool {
-    declined(scene).is_some()
-        && (scene.uncertain.is_empty() || scene.drive.output == OutputPart::Ring)
+    declined(scene).is_some() && scene.uncertain.is_empty()
 }
 
 /// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]) and

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pinwheel::scene::as_built::{PROCESSES, process};
-use pinwheel::scene::catalogue::{self, Catalogue, MATERIALS, Material};
+use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material, pin_circle_of_m};
 use pinwheel::scene::quantity;
 
 use super::{OutArgs, SceneArgs};
@@ -16,7 +16,7 @@ use crate::failure::Failure;
 #[command(after_help = include_str!("../../help/init.txt").trim_ascii_end())]
 // clap does not wrap its own usage line.
 #[command(override_usage = "pinwheel init <FILE> --ratio <RATIO>\n       \
-    --pin-circle-diameter-mm <MM> --torque-n-m <NM>\n       --speed-rpm <RPM> [OPTIONS]")]
+    <--pin-circle-diameter-mm <MM>|--outer-diameter-mm <MM>>\n       --torque-n-m <NM> --speed-rpm <RPM> [OPTIONS]")]
 pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,
@@ -30,8 +30,11 @@ pub(crate) struct InitArgs {
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=12))]
     cranks: Option<u16>,
     /// Diameter of the circle on which the pins stand.
-    #[arg(long, value_name = "MM", value_parser = millimetres)]
-    pin_circle_diameter_mm: f64,
+    #[arg(long, value_name = "MM", value_parser = millimetres, required_unless_present = "outer_diameter_mm")]
+    pin_circle_diameter_mm: Option<f64>,
+    /// Outer diameter of a catalogue, by which the circle of the pins is suggested.
+    #[arg(long, value_name = "MM", value_parser = millimetres, conflicts_with = "pin_circle_diameter_mm")]
+    outer_diameter_mm: Option<f64>,
     /// Rated torque of the output.
     #[arg(long, value_name = "NM", value_parser = newton_metres)]
     torque_n_m: f64,
@@ -130,18 +133,20 @@ impl InitArgs {
             let text = "--cranks belongs to an RV gear; add --kind rv, or leave it out";
             return Err(Failure::input(text));
         }
+        let is_rv = self.kind == "rv";
+        let outer = self.outer_diameter_mm.map(mm);
+        let circle = self.pin_circle_diameter_mm.map(mm);
+        let circle = circle.or(outer.map(|outer| pin_circle_of_m(outer, is_rv)));
+        let circle = circle.unwrap_or_default();
         Ok(Catalogue {
             name,
             ratio: self.ratio,
-            cranks: (self.kind == "rv").then(|| {
-                let usual = if self.pin_circle_diameter_mm < 200.0 {
-                    2
-                } else {
-                    3
-                };
+            cranks: is_rv.then(|| {
+                let usual = if circle < 0.2 { 2 } else { 3 };
                 self.cranks.map_or(usual, usize::from)
             }),
-            pin_circle_diameter_m: mm(self.pin_circle_diameter_mm),
+            pin_circle_diameter_m: circle,
+            outer_diameter_m: outer,
             torque_n_m: self.torque_n_m,
             speed_rad_s: self.speed_rpm * std::f64::consts::PI / 30.0,
             material: self.material,

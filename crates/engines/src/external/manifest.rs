@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_files::{Broken, FileError, fits, read_text, require};
 use pinwheel_gearbox::GearboxError;
-use pinwheel_scene::{JOB_PROTOCOL, OutputPart, Scene, names};
+use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
@@ -252,7 +252,7 @@ impl Manifest {
                     .to_owned(),
             );
         }
-        if scene.drive.output == OutputPart::Ring {
+        if scene.ring_turns() {
             return Some(GearboxError::Ring.to_string());
         }
         if !scene.drive.speed_changes.is_empty() && !self.honours.speed_changes {

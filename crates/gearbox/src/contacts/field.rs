@@ -10,6 +10,7 @@ use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use super::seals::Seals;
 use crate::carrier::Carrier;
+use crate::ring_frame::{RingFrame, from_ring, pair_to_ground, with_carrier};
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
@@ -90,19 +91,21 @@ pub struct ContactField {
     pub(crate) held: Option<HeldPins>,
     pub(crate) carrier: Carrier,
     pub(crate) seals: Option<Seals>,
+    /// Frame of a ring that is the output; `None`: states and loads are relative to the ring.
+    pub(crate) ring: Option<Box<RingFrame>>,
 }
 
 impl ContactField {
     /// True without friction of the contacts; see [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles).
     #[must_use]
     pub fn work_from_angles(&self) -> bool {
-        self.contacts.work_from_angles()
+        self.ring.is_none() && self.contacts.work_from_angles()
     }
 
     /// True with exact detection; see [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives).
     #[must_use]
     pub fn have_derivatives(&self) -> bool {
-        self.contacts.have_derivatives()
+        self.ring.is_none() && self.contacts.have_derivatives()
     }
 
     /// Adds to the outputs of `request`: loads (force, and moment about the centre of mass), moments about the pins,
@@ -110,6 +113,9 @@ impl ContactField {
     ///
     /// Derivatives assume that the input turns at a constant rate. Discs whose positions are not free move with it.
     pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if self.ring.is_some() {
+            return self.evaluate_in_ring(bodies, request);
+        }
         let seen = HeldPins::seen(&mut self.held, bodies);
         self.contacts.evaluate(seen, request);
         if let (Some(held), Some(loads)) = (&self.held, &mut request.loads) {
@@ -121,8 +127,33 @@ impl ContactField {
         }
     }
 
+    #[cold]
+    fn evaluate_in_ring(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        let Some(mut frame) = self.ring.take() else {
+            return;
+        };
+        from_ring(bodies, &mut frame.seen);
+        frame.own.clear();
+        frame.own.resize(bodies.len(), Wrench::default());
+        let mut asked = Evaluation::of_loads(&mut frame.own);
+        asked.energy = request.energy.take();
+        self.evaluate(&frame.seen, &mut asked);
+        request.energy = asked.energy;
+        if let Some(loads) = &mut request.loads {
+            frame.add_to_ground(&bodies[Layout::OUTPUT], loads);
+        }
+        self.ring = Some(frame);
+    }
+
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     pub fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        if let Some(mut frame) = self.ring.take() {
+            from_ring(bodies, &mut frame.seen);
+            let ring = &bodies[Layout::OUTPUT];
+            self.touching(&frame.seen, &mut |pair| visit(&pair_to_ground(pair, ring)));
+            self.ring = Some(frame);
+            return;
+        }
         let seen = HeldPins::seen(&mut self.held, bodies);
         self.contacts.touching(seen, visit);
     }
@@ -130,12 +161,26 @@ impl ContactField {
     /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap. With cranks, a
     /// crank's bearing replaces the pin in its hole.
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        if let Some(mut frame) = self.ring.take() {
+            from_ring(bodies, &mut frame.seen);
+            let found = self.nearest(&frame.seen, wheel, sleeve);
+            self.ring = Some(frame);
+            return pair_to_ground(&found, &bodies[Layout::OUTPUT]);
+        }
         match (&self.carrier, sleeve) {
             (Carrier::Cranks(cranks), Sleeve::Internal(crank)) => cranks.pair(bodies, wheel, crank),
             _ => {
                 let seen = HeldPins::seen(&mut self.held, bodies);
                 self.contacts.nearest(seen, wheel, sleeve)
             }
+        }
+    }
+
+    /// Returns the bearings of cranks that carry a force, as pairs.
+    pub(crate) fn on_cranks(&self, bodies: &[BodyState]) -> Vec<PairContact> {
+        match self.ring {
+            Some(_) => self.carrier.pairs(&with_carrier(bodies)),
+            None => self.carrier.pairs(bodies),
         }
     }
 
@@ -152,6 +197,12 @@ impl ContactField {
 
     /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.
     pub fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        if let Some(mut frame) = self.ring.take() {
+            from_ring(bodies, &mut frame.seen);
+            let sum = self.energy(&frame.seen);
+            self.ring = Some(frame);
+            return sum;
+        }
         let (law, pins) = (&self.law, &self.pins);
         let mut sum = ContactEnergy::default();
         let seen = HeldPins::seen(&mut self.held, bodies);

@@ -147,5 +147,6 @@ pub fn contacts(
         held: HeldPins::of(scene),
         carrier: Carrier::Rigid,
         seals: None,
+        ring: None,
     })
 }

@@ -215,7 +215,7 @@ impl<'a> Statics<'a> {
         let power: f64 = powers
             .map(|(body, load)| body.vx * load.fx + body.vy * load.fy + body.rate * load.moment)
             .sum();
-        -power / at.bodies[Layout::INPUT].rate
+        -power / self.motion.speed
     }
 }
 

@@ -31,6 +31,7 @@ mod published_stiffness;
 mod recorder;
 mod refinement;
 mod resolve;
+mod ring;
 mod rosenbrock;
 mod run_limits;
 mod sliding;

@@ -7,7 +7,7 @@ use crate::FrictionLaw;
 use pinwheel_files::quoted;
 
 use crate::error::Fault;
-use crate::model::{Detection, Formulation, OutputPart, Scene, Start};
+use crate::model::{Detection, Formulation, Scene};
 use crate::number::short;
 use crate::scales::law;
 
@@ -93,37 +93,27 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
 
 /// Refuses parts of the model that a ring as output does not support.
 fn ring(scene: &Scene) -> Result<(), Fault> {
-    if scene.drive.output == OutputPart::Carrier {
+    if !scene.ring_turns() {
         return Ok(());
     }
     let (bearings, solver) = (&scene.bearings, &scene.solver);
     let split = method(&solver.integrator).is_some_and(|m| m.family == Family::SplitImplicit);
     let parts = [
-        ("cranks.count", scene.cranks.is_some()),
         ("bearings.input_seal_n_m", bearings.input_seal_n_m.is_some()),
         (
             "bearings.output_seal_n_m",
             bearings.output_seal_n_m.is_some(),
         ),
         (
-            "bearings.sleeve_friction_coefficient",
-            bearings.sleeve_friction_coefficient.is_some(),
-        ),
-        ("drive.start", scene.drive.start == Start::Equilibrium),
-        (
             "solver.formulation",
             solver.formulation == Formulation::Lagrange,
         ),
         ("solver.integrator", split),
-        ("output.channels", !scene.output.channels.is_empty()),
     ];
     let Some((key, _)) = parts.into_iter().find(|(_, asked)| *asked) else {
         return Ok(());
     };
-    let factor = match scene.cranks {
-        Some(_) => "R/(R - 1), with R its ratio,",
-        None => "zs/zk",
-    };
+    let factor = short(scene.carrier_moment_per_output());
     Err(Fault::new(
         &["drive.output", key],
         format!("is \"ring\", which {key} does not go with as the scene has it"),

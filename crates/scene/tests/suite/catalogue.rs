@@ -13,6 +13,7 @@ pub(crate) fn catalogue(ratio: impl Into<f64>, diameter_mm: f64) -> Catalogue {
         ratio: ratio.into(),
         cranks: None,
         pin_circle_diameter_m: 1e-3 * diameter_mm,
+        outer_diameter_m: None,
         torque_n_m: 100.0 * (diameter_mm / 130.0).powi(3),
         speed_rad_s: 157.0,
         material: MATERIALS[0],
@@ -28,6 +29,41 @@ pub(crate) fn catalogue(ratio: impl Into<f64>, diameter_mm: f64) -> Catalogue {
         face_width_m: None,
         backlash_m: None,
         friction_coefficient: None,
+    }
+}
+
+/// Outer diameters of gears whose authors state both, and of the RV presets in their catalogue sizes: the suggestion is off by less than
+/// the spread that the file states.
+#[test]
+fn published_pin_circles_by_outer_diameters() {
+    for (outer_mm, circle_mm, is_rv) in [
+        (65.0, 50.0, false),
+        (115.0, 90.0, false),
+        (100.0, 80.0, false),
+        (190.0, 128.0, true),
+        (222.0, 155.0, true),
+        (325.0, 239.0, true),
+    ] {
+        let circle = 1e3 * pin_circle_of_m(1e-3 * outer_mm, is_rv);
+        assert!(
+            (circle / circle_mm - 1.0).abs() < 0.06,
+            "{outer_mm} {circle}"
+        );
+        let draft = Catalogue {
+            outer_diameter_m: Some(1e-3 * outer_mm),
+            cranks: is_rv.then_some(2),
+            ..catalogue(if is_rv { 121.0 } else { 15.0 }, circle)
+        };
+        let text = draft.draft().unwrap().text;
+        let line = text.lines().find(|line| line.starts_with("pin_circle"));
+        let line = line.unwrap();
+        let (_, to) = line.rsplit_once(": ").unwrap();
+        let ends: Vec<f64> = (to.trim_end_matches(" mm").split(" to "))
+            .map(|end| end.parse().unwrap())
+            .collect();
+        let known = 0.5 * circle_mm;
+        assert!(line.contains("# suggested: "), "{line}");
+        assert!(ends[0] <= known && known <= ends[1], "{line}");
     }
 }
 

@@ -57,6 +57,12 @@ fn both_shafts_carry_the_cranks_turning() {
     let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
     let found = input + output / (121.0 * 121.0);
     assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
+    // A carrier that is held leaves the input all of it.
+    let held = Scene::load("rv-40e-like", &["drive.output=ring".parse().unwrap()]).unwrap();
+    let of_input = held.input_shaft().moment_kg_m2 - held.mass.input_shaft.moment_kg_m2;
+    let cranks = 2.0 * held.mass.internal_sleeve.moment_kg_m2 / 9.0;
+    assert!((of_input / cranks - 1.0).abs() < 1e-12);
+    assert_eq!(held.output_shaft(), held.mass.output_shaft);
 }
 
 /// 1 + 40 x 36/12 from the teeth; for other gears the number of lobes.

@@ -666,11 +666,3 @@ fn walls_follow_the_modification() {
     let larger = wall(&format!("gear.errors.hole_radius_m = {}", list("1e-4")));
     assert!((plain - larger - 1e-4).abs() < 1e-12, "{plain} {larger}");
 }
-
-/// An RV reducer whose case turns is refused with the factor by which its gear on the carrier stands for it.
-#[test]
-fn bad_input_a_case_that_turns() {
-    let ring = Override::new("drive.output", "\"ring\"");
-    let said = Scene::load("rv-40e-like", &[ring]).unwrap_err().to_string();
-    assert!(said.contains("load times R/(R - 1)"), "{said}");
-}

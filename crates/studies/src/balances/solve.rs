@@ -24,7 +24,7 @@ pub(crate) const POSES: usize = 24;
 /// Poses at which contact laws are compared.
 pub(crate) const FEW: usize = 24;
 
-/// Returns the largest load of a scene in the gear's working direction, as a moment on the output, N m.
+/// Returns the largest load of a scene in the gear's working direction, as a moment on the carrier's turn against the ring, N m.
 ///
 /// # Errors
 /// A scene without a load.
@@ -45,10 +45,11 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
             scene.name
         )));
     }
-    Ok(match gearbox.load_torque(scene.solver.duration_s) {
+    let working = match gearbox.load_torque(scene.solver.duration_s) {
         torque if torque != 0.0 => rated.copysign(torque),
         _ => -rated.copysign(speed_profile::fastest_rad_s(&scene.drive)),
-    })
+    };
+    Ok(gearbox.along_carrier_n_m(working))
 }
 
 /// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of

@@ -164,7 +164,7 @@ fn twist(gearbox: &Gearbox, time_series: &TimeSeries) -> Vec<f64> {
     let motion = gearbox.input_motion();
     let start = gearbox.kinematic_states()[Layout::OUTPUT].angle;
     let angles = time_series.channel(columns::OUTPUT_ANGLE).unwrap_or(&[]);
-    let ideal = |t: f64| start + gearbox.geometry.ideal_output_angle(motion.at(t).0);
+    let ideal = |t: f64| start + gearbox.geometry.ideal_turn_of_output(motion.at(t).0);
     let samples = time_series.time_s().iter().zip(angles);
     samples.map(|(&t, angle)| angle - ideal(t)).collect()
 }

@@ -131,7 +131,11 @@ impl Joint {
         let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
         let circling = gearbox.geometry.eccentricities_m.iter();
         let circling = circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
-        let turning = scene.eccentric_per_input();
+        // Against the ground.
+        let turning = match scene.ring_turns() {
+            true => scene.eccentric_per_held_carrier(),
+            false => scene.eccentric_per_input(),
+        };
         let input_inertia_kg_m2 = scene.input_shaft().moment_kg_m2 + circling * turning * turning;
         let output_inertia_kg_m2 = scene.output_inertia_kg_m2() + wheels * mass.wheel.moment_kg_m2;
         let found = friction(runs, rated, ratio);

@@ -364,6 +364,38 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
     assert!(seen > 40 && outside.len() * 50 <= seen, "{outside:#?}");
 }
 
+/// At the ring, or the case of an RV gear, lost motion is that at the carrier times q = zs/zk or R/(R - 1), stiffness over q^2, and forces are
+/// equal, under loads in the ratio q. The rest is the driver's torque, which is no constant: measured 1.3e-3 at most.
+#[test]
+fn crossval_figures_of_a_ring_are_the_carriers() {
+    for preset in ["forty-pins", "paper-bearings", "rv-40e-like"] {
+        let ring = scene(preset, &["drive.output=ring"]);
+        let less = ring.carrier_moment_per_output();
+        let mut own = scene(preset, &[]);
+        own.drive.output_torque_n_m *= less;
+        let [ring, own] = [ring, own].map(|scene| {
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            design::few_figures(&gearbox, &false.into()).unwrap()
+        });
+        let value = |figures: &[Figure], def| {
+            let found = figures.iter().find(|figure| figure.is(def));
+            found.and_then(|figure| figure.value)
+        };
+        for (def, factor) in [
+            (&LOST_MOTION, less),
+            (&STIFFNESS, less.powi(-2)),
+            (&EXTERNAL_FORCE, 1.0),
+            (&BEARING_FORCE, 1.0),
+        ] {
+            let [a, b] = [&ring, &own].map(|figures| value(figures, def));
+            if let Some((a, b)) = a.zip(b) {
+                println!("{preset} {}: {a} {b} {:.1e}", def.key, a / b / factor - 1.0);
+                assert!((a / b / factor - 1.0).abs() < 3e-3, "{preset} {}", def.key);
+            }
+        }
+    }
+}
+
 /// Without load there is only rounding: figures are zero within its size, a comparison refines nothing, and a design has nothing to
 /// be judged under. A load of 1e-30 N m is none.
 #[test]

@@ -48,7 +48,7 @@ pub(crate) struct Animation {
 ///
 /// `e`: eccentricity; `zk`, `r`, `q`: ring pins, radius of their circle and their own; `m`: m' of the discs' curve, `edge`:
 /// the edge's offset from it, `turn`: angle of turned flanks; `zi`, `rw`, `ri`: output pins; `rh`: radius of holes; `per`:
-/// turns of the eccentrics per turn of the input; `sun`: the sun's radius if cranks carry the discs; `d`: backlash. Parts
+/// turns of the eccentrics against the ring per turn of the input; `ring`: true if the ring turns and the carrier is held; `sun`: the sun's radius if cranks carry the discs; `d`: backlash. Parts
 /// include their errors: `external` and `internal` pins as centre and radius in the frame of their support, discs
 /// (`bodies`) with length and angle of their eccentric and with their holes.
 fn gear_json(scene: &Scene) -> Value {
@@ -103,6 +103,7 @@ fn gear_json(scene: &Scene) -> Value {
         "wheels": gear.wheels,
         "per": scene.eccentric_per_input(),
         "sun": sun,
+        "ring": scene.ring_turns(),
         "d": mm(gear.backlash_m),
         "external": (0..gear.external_sleeves).map(outer).collect::<Vec<_>>(),
         "internal": (0..gear.internal_sleeves).map(inner).collect::<Vec<_>>(),
