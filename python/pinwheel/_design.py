@@ -161,7 +161,7 @@ class Design(Paged, Mapping[str, Figure]):
     Attributes:
         scene: the gear's
         limits: loads of the parts against what they may bear
-        bears_its_load: the answer of the limits in words, `yes, by 1.9`
+        bears_its_load: the answer of the limits in words, `yes, margin 1.9`
         data: all that was found, with courses over the mesh: the program's `design.json`
 
     """

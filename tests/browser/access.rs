@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-use crate::chromium::Chromium;
+use crate::chromium::{Chromium, DESK, Look};
 
 /// Returns the script of axe-core if `PINWHEEL_AXE` names one; with `PINWHEEL_REQUIRE_AXE` a missing one is a failure.
 fn axe() -> Option<&'static str> {
@@ -22,13 +22,19 @@ fn axe() -> Option<&'static str> {
 }
 
 /// Returns serious and critical findings of axe-core on the open page, a line each; empty without axe-core.
-pub(crate) fn findings(browser: &mut Chromium) -> Vec<String> {
-    const RUN: &str = "axe.run(document, { resultTypes: ['violations'] }).then((found) => found.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
+pub(crate) fn findings(browser: &mut Chromium, look: Look) -> Vec<String> {
+    const RUN: &str = "axe.run(document, { resultTypes: ['violations'], RULES }).then((found) => found.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
     let Some(script) = axe() else {
         return Vec::new();
     };
     browser.evaluate(&format!("{script}; 0"));
-    let found = browser.evaluate(RUN);
+    // A theme changes colours alone, and a width all but colours.
+    let rules = match look {
+        Look { dark: true, .. } => "runOnly: ['color-contrast']",
+        Look { width, .. } if width == DESK.width => "rules: {}",
+        _ => "rules: { 'color-contrast': { enabled: false } }",
+    };
+    let found = browser.evaluate(&RUN.replace("RULES", rules));
     let found = found.as_array().unwrap().iter();
     found
         .map(|line| format!("axe: {}", line.as_str().unwrap()))

@@ -45,8 +45,8 @@ impl Said {
     }
 }
 
-/// Writes rig data of 120 % of the driver's torque, and their map with or without an uncertainty.
-fn rig(dir: &Path, uncertainty: &str) {
+/// Writes rig data of 120 % of the driver's torque.
+fn rig(dir: &Path) {
     let ran = run_in(
         dir,
         words("run paper --set solver.duration_s=0.02 --out ours --force"),
@@ -59,6 +59,11 @@ fn rig(dir: &Path, uncertainty: &str) {
         .map(|(t, torque)| format!("{t},{}\n", 1.2 * torque))
         .collect();
     std::fs::write(dir.join("rig.csv"), format!("t,torque\n{rows}")).unwrap();
+    map(dir, "");
+}
+
+/// Writes the map of rig data with or without an uncertainty.
+fn map(dir: &Path, uncertainty: &str) {
     let map = format!(
         "name = \"rig\"\n[time]\ncolumn = \"t\"\n[columns]\ninput_torque_n_m = {{ column = \"torque\"{uncertainty} }}\n"
     );
@@ -71,12 +76,12 @@ fn browser_is_amber_where_nothing_confirms() {
         let short = "--set solver.duration_s=0.02";
         // A single engine agrees with its load, and has no partner.
         let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
-        alone.says("open", "Not confirmed", &["nothing agrees yet"]);
+        alone.says("open", "Not confirmed", &["no agreement yet"]);
 
         // Data that are 20 % off without an uncertainty.
         let against =
             format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
-        rig(dir, "");
+        rig(dir);
         let off = Said::of(browser, dir, &against, 4);
         off.says(
             "open",
@@ -84,12 +89,12 @@ fn browser_is_amber_where_nothing_confirms() {
             &["by rig", "nothing shown", "its map states neither"],
         );
         // With an uncertainty.
-        rig(dir, ", uncertainty = { of_reading = 0.005 }");
+        map(dir, ", uncertainty = { of_reading = 0.005 }");
         let judged = Said::of(browser, dir, &against, 0);
         judged.says(
             "open",
             "Not confirmed",
-            &["by rig", "nothing explains it", "what the model leaves out"],
+            &["by rig", ": unexplained", "what the model leaves out"],
         );
 
         // A solver with forces 20 % too large differs if its runs give an uncertainty, and confirms nothing without one.

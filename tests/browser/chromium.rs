@@ -156,6 +156,12 @@ impl Chromium {
         self.go(&format!("file://{}", page.display()), look);
     }
 
+    /// Removes all that pages stored, as in the browser of another.
+    pub(crate) fn forget(&mut self) {
+        self.evaluate("localStorage.clear()");
+        self.call("Network.clearBrowserCookies", json!({}));
+    }
+
     /// Opens an address and waits until it is loaded.
     pub(crate) fn go(&mut self, address: &str, look: Look) {
         self.look(look);
@@ -223,7 +229,9 @@ impl Chromium {
 
     /// Waits for the tasks that follow from an event.
     fn rest(&mut self) {
-        self.evaluate("new Promise((r) => setTimeout(r, 60))");
+        self.evaluate(
+            "new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(r))))",
+        );
     }
 
     /// Adds a script that every page opened from now on runs first.

@@ -13,9 +13,9 @@ use crate::interact::{click, place};
 
 /// Waits until all requests are answered with balances and bands by contact law.
 const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => setTimeout(r, ms)); while (document.body.dataset.explore === undefined) await rest(20); \
-    for (let before = ''; ; before = document.body.dataset.answered) { await rest(250); if (document.body.dataset.busy === undefined && document.body.dataset.computing === undefined && document.body.dataset.answered === before) return; } })()";
+    for (let before = ''; ; before = document.body.dataset.answered) { await rest(100); if (document.body.dataset.busy === undefined && document.body.dataset.computing === undefined && document.body.dataset.answered === before) return; } })()";
 /// Waits until all requests are answered with balances.
-const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 60)); } while (document.body.dataset.busy !== undefined || document.querySelector('#why').textContent.startsWith('Balances')); })()";
+const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 60)); } while (document.body.dataset.busy !== undefined || /^(Balances|The motion)/.test(document.querySelector('#why').textContent)); })()";
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
 const SAID: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
@@ -302,13 +302,13 @@ fn browser_explores_by_numbers_steps_and_links() {
         browser.evaluate("window.link = ''; Object.defineProperty(navigator, 'clipboard', { value: { writeText: async (text) => { link = text; } } }); 0");
         click(browser, "document.querySelector('#link')");
         let link = until(browser, "window.link", |text| !text.is_empty());
-        browse(|other, _| {
-            other.go(&link, DESK);
-            other.evaluate(SETTLED);
-            assert_eq!(typed(other, "gear-backlash_m"), "12.5");
-            assert_eq!(other.text(FIGURES), moved);
-            assert!(!other.text("location.href").contains("token"));
-        });
+        browser.forget();
+        browser.go("about:blank", DESK);
+        browser.go(&link, DESK);
+        browser.evaluate(SETTLED);
+        assert_eq!(typed(browser, "gear-backlash_m"), "12.5");
+        assert_eq!(browser.text(FIGURES), moved);
+        assert!(!browser.text("location.href").contains("token"));
         browser.assert_quiet();
     });
 }

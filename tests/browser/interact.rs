@@ -86,12 +86,19 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     // Another quantity, another pin, signed differences to the other engine.
     let choose = |id: &str, value: usize| {
         format!(
-            "(async () => {{ const before = document.body.dataset.drawn; const s = document.getElementById('{id}'); s.value = '{value}'; s.dispatchEvent(new Event('change')); \
-             for (let k = 0; k < 100 && document.body.dataset.drawn === before; k += 1) await new Promise((r) => setTimeout(r, 20)); return document.body.dataset.drawn; }})()"
+            "(async () => {{ delete document.body.dataset.drawn; const s = document.getElementById('{id}'); s.value = '{value}'; s.dispatchEvent(new Event('change')); \
+             for (let k = 0; k < 100 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 20)); return document.body.dataset.drawn; }})()"
         )
     };
     assert_eq!(browser.text(&choose("quantity", 3)), "Ring pin force no. 0");
     assert_eq!(browser.text(&choose("channel", 5)), "Ring pin force no. 5");
+    let [x, y, ..] = place(browser, OVER);
+    browser.mouse(&[("mouseMoved", x + 9.0, y), ("mouseMoved", x, y)], 0);
+    let tip = browser.text(TIP);
+    assert!(
+        tip.contains("native-reduced") && !tip.contains("native-lagrange"),
+        "the other engine is back: {tip}"
+    );
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
     let said = browser.text("(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",

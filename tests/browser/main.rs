@@ -131,7 +131,7 @@ fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     }
     // Widths between these two have the same elements.
     if [DESK.width, PHONE.width].contains(&look.width) {
-        faults.extend(access::findings(browser));
+        faults.extend(access::findings(browser, look));
     }
     for (key, what) in [
         ("overflow", "px wider than the screen"),
@@ -196,7 +196,8 @@ fn browser_sees_what_is_wrong() {
         .unwrap();
         let look = Look { dark: true, ..DESK };
         browser.open(&page, look);
-        let (found, _) = faults(browser, look);
+        let mut found = faults(browser, look).0;
+        found.extend(faults(browser, DESK).0);
         let mut parts = vec![
             "contrast 2.6",
             "no name: <button>",

@@ -22,7 +22,8 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
       const host = document.querySelector('.gearboxes');
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
       const at = () => host.querySelector('.at').textContent;
-      const moving = async () => { const before = at(); for (let k = 0; k < 40 && at() === before; k += 1) await wait(50); return at() !== before; };
+      const moving = async () => { const before = at(); for (let k = 0; k < most && at() === before; k += 1) await wait(50); return at() !== before; };
+      const most = matchMedia('(prefers-reduced-motion: reduce)').matches ? 12 : 40;
       for (let k = 0; k < 200 && !('ready' in host.dataset); k += 1) await wait(25);
       host.scrollIntoView();
       const began = await moving();

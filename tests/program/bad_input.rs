@@ -68,6 +68,16 @@ fn bad_input_is_an_annotation_on_github() {
         said.contains("\n::error file=mine.toml,line=3::mine.toml, line 3: "),
         "{said}"
     );
+    // A verdict is one sentence, not the table that it decides.
+    let mut command = pinwheel();
+    command.args(words("design paper --statics --set limits.pressure_pa=1e6"));
+    command.current_dir(dir.path());
+    let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("::error::bears its load: no: ") && !said.contains("%0A"),
+        "{said}"
+    );
 }
 
 #[test]

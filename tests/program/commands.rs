@@ -245,7 +245,7 @@ fn program_compare_goes_on_when_engines_diverge() {
     assert_eq!(summary["passed"], false);
     // The page shows a gear in motion with correct forces.
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
-    assert!(page.contains("by a method that gets through"));
+    assert!(page.contains("by a method that finishes"));
 }
 
 /// Returns the result of `compare` on a scene: status, the last line before the path of the page, `summary.json`.

@@ -192,7 +192,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
     let length = body.len();
     let run = || {
         let mut slow = connect();
-        write!(slow, "POST /run HTTP/1.1\r\nHost: {host}\r\n{cookie}{more}Content-Length: {length}\r\n\r\n{body}").unwrap();
+        write!(slow, "POST /motion HTTP/1.1\r\nHost: {host}\r\n{cookie}{more}Content-Length: {length}\r\n\r\n{body}").unwrap();
         slow.set_nonblocking(true).unwrap();
         slow
     };

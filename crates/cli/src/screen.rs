@@ -13,7 +13,7 @@ use crate::args::manner::Manner;
 use crate::failure::{DIFFER, Failure};
 
 static MANNER: OnceLock<Manner> = OnceLock::new();
-/// First paragraph of the text of a study.
+/// Answer of a study, by default the first paragraph of its text.
 static ANSWER: OnceLock<String> = OnceLock::new();
 
 /// Sets the options for the program's output.
@@ -80,7 +80,7 @@ pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Fa
 pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     let folder = page.parent().unwrap_or(page);
     let answer = text.trim_start().split("\n\n").next().unwrap_or_default();
-    let _ = ANSWER.set(anstream::adapter::strip_str(answer).to_string());
+    self::answer(anstream::adapter::strip_str(answer).to_string());
     show_found(text, folder, SUMMARY)?;
     if manner().json {
         return Ok(());
@@ -140,8 +140,13 @@ pub(crate) fn complain(message: &str) {
     annotate("error", &message);
 }
 
+/// Keeps the answer of a study in words, the first that is given.
+pub(crate) fn answer(words: String) {
+    let _ = ANSWER.set(words);
+}
+
 /// Annotates a run of GitHub Actions with an answer other than success: an error for differing or worse results, a warning
-/// for inconclusive ones. The message is the first paragraph of the text.
+/// for inconclusive ones. The message is the answer in words.
 pub(crate) fn annotate_answer(status: u8) {
     let level = match status {
         0 => return,

@@ -254,7 +254,7 @@ fn efficiency(
         .or_else(|| mean_powers(&participant.time_series, samples, speed_in))
         .ok_or(None)?;
     if speed_in == 0.0 {
-        return Err(Some("the driver stands still"));
+        return Err(Some("the driver does not turn"));
     }
     let negligible = |load: f64| load.abs() <= judge.negligible.torque_n_m;
     if context.load_n_m.is_some_and(negligible) {

@@ -127,6 +127,8 @@ pub struct EngineInfo<'a> {
     pub package: &'a str,
     /// Significant digits of recordings, for a rounding of a thousandth of the engine's limits.
     pub digits: usize,
+    /// CPU time of its runs in a comparison on `paper`, s.
+    pub usual_s: f64,
     /// Rank among the substitutes for Adams beside the paper's figures: multibody programs with their own contacts.
     pub stands_in: Option<usize>,
 }
@@ -154,6 +156,7 @@ impl<'a> EngineInfo<'a> {
             feature: None,
             package: "",
             digits: 9,
+            usual_s: 10.0,
             stands_in: None,
         }
     }

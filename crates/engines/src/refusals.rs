@@ -17,7 +17,7 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     ring_is_held(scene)?;
     let bearings = &scene.bearings;
     if bearings.eccentric.is_some() {
-        let reason = "it holds discs by revolutes, and bearings.eccentric lets them float";
+        let reason = "it holds discs by revolutes, and bearings.eccentric lets them move radially";
         return Err(Ending::unsupported(reason));
     }
     let losses = [

@@ -359,7 +359,7 @@ impl Instance {
         let to = from_s + step_s;
         if !(step_s > 0.0 && to.is_finite() && to > from_s) {
             return refused(format!(
-                "fmi2DoStep: a step of {step_s} s from {from_s} s is none"
+                "fmi2DoStep: a step of {step_s} s from {from_s} s is invalid"
             ));
         }
         let now = self.prescribed.start_s + gear.time_s();

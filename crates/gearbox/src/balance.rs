@@ -51,7 +51,7 @@ impl Balance {
         // The guard of the states detects a NaN.
         if self.remainder_j.abs() > MOST * self.turnover_j {
             return Err(format!(
-                "nothing accounts for {:.3e} J of energy, with {:.3e} J turned over: the method does not follow the \
+                "{:.3e} J of energy are unaccounted for, with {:.3e} J turned over: the method does not follow the \
                  forces at this step",
                 self.remainder_j, self.turnover_j
             ));

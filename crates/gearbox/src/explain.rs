@@ -173,7 +173,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     equations.add(
         format!("{bodies} planar bodies on {revolutes} revolutes and a driver"),
         format!(
-            "{coordinates} coordinates less {constraints} constraints leave {free} degrees of freedom; the driver turns the input at {speed} rad/s"
+            "{coordinates} coordinates less {constraints} constraints leave {free} degrees of freedom; the driver turns the input at {speed:.2} rad/s"
         ),
     );
     if lagrange {

@@ -144,7 +144,7 @@ impl Search<'_> {
                         self.stopped = Some(if self.left == 0 {
                             format!("{} took all evaluations of the budget", plan.integrator)
                         } else {
-                            format!("{} does not get through it", plan.integrator)
+                            format!("{} fails on it", plan.integrator)
                         });
                         return Ok(self.left == 0);
                     }

@@ -84,7 +84,7 @@ impl AtCaller {
             options,
             answer,
         };
-        let gone = || PyRuntimeError::new_err("nobody is left to run this engine");
+        let gone = || PyRuntimeError::new_err("the process that runs this engine has ended");
         let sent = self.bring.send(Item::Call(call));
         sent.map_err(|_| gone())?;
         py.detach(move || answered.recv()).map_err(|_| gone())?

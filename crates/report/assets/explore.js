@@ -14,10 +14,10 @@ document.addEventListener('DOMContentLoaded', () => {
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  /** The state shown of each gear, and the values requested for it; `figures` is null while figures are computed, `banded` and
-   * `sampled` are false while bands and the sample of tolerances are. */
-  const fresh = (asked) => ({ asked, figures: null, banded: false, sampled: false });
-  const found = { a: { ...first, ...fresh([]) }, b: { ...first, ...fresh([]) } };
+  /** The state shown of each gear, and the values requested for it; `figures` is null while figures are computed, `ran`, `banded`
+   * and `sampled` are false while motion, bands and the sample of tolerances are. */
+  const fresh = (asked) => ({ asked, figures: null, ran: false, banded: false, sampled: false });
+  const found = { a: { ...first, ...fresh([]), ran: true }, b: { ...first, ...fresh([]), ran: true } };
   const blocked = { a: '', b: '' };
   const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
@@ -53,7 +53,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const input = make('input', { type: 'range', id, min: slider.from, max: slider.to, step: 'any' });
     const typed = make('input', { type: 'text', inputmode: 'decimal', autocomplete: 'off', 'aria-label': `${slider.label} (${slider.unit || 'number'})` });
     const reason = make('p', { class: 'reason', role: 'alert' });
-    const short = (value) => (Math.abs(value) < 1e6 ? String(value) : value.toExponential());
+    const short = (value) => (Math.abs(value) < 1e6 ? String(value) : Number(value.toPrecision(4)).toExponential().replace('+', ''));
     const told = (value) => {
       typed.value = value === rigid ? rigid : short(Number(value.toPrecision(5)));
       input.setAttribute('aria-valuetext', `${typed.value} ${slider.unit}`);
@@ -170,7 +170,7 @@ document.addEventListener('DOMContentLoaded', () => {
     if (name === undefined) {
       const open = (of) => Object.values(found).find((state) => !state[of]);
       if (balancing !== null || moving) return;
-      for (const [of, what] of [['figures', 'balances'], ['banded', 'bands'], ['sampled', 'sample']]) {
+      for (const [of, what] of [['figures', 'balances'], ['ran', 'motion'], ['banded', 'bands'], ['sampled', 'sample']]) {
         if (open(of)) return balance(open(of), what);
       }
       return;
@@ -205,11 +205,17 @@ document.addEventListener('DOMContentLoaded', () => {
     reasons();
     if (answer.reason) return;
     const { balanced, ...run } = answer;
-    Object.assign(found[name] = state, run);
+    // A late motion follows; until then the last one stays.
+    const { time, series } = found[name];
+    found[name] = Object.assign(state, { time, series });
     if (balanced) tell(state, balanced);
-    await host.replace(NAMES.indexOf(name), run.view);
+    if (run.view) await show(state, run);
     figures();
-    series();
+  }
+  async function show(state, run) {
+    Object.assign(state, run, { ran: true });
+    await host.replace(NAMES.findIndex((name) => found[name] === state), run.view);
+    curves();
   }
   /** Figures of a state that the program found, or why there are none. */
   function tell(state, told) {
@@ -237,7 +243,11 @@ document.addEventListener('DOMContentLoaded', () => {
     let more = true;
     try {
       const told = await ask(`${what}?tab=${TAB}`, state.asked, own.signal);
-      if (told && what === 'sample') {
+      if (told && what === 'motion') {
+        state.ran = true;
+        if (told.reason) say(told.reason);
+        else if (NAMES.some((name) => found[name] === state)) await show(state, told);
+      } else if (told && what === 'sample') {
         state.figures.push(...told.figures);
         state.sampled = true;
       } else if (told) {
@@ -276,7 +286,8 @@ document.addEventListener('DOMContentLoaded', () => {
     const is = (of) => NAMES.every((name) => found[name][of]);
     const open = !is('sampled');
     const under = !is('banded') ? 'Bands by contact law and limits are computed.' : open ? 'The tolerances are sampled.' : whys.join(' ');
-    $('why').textContent = all.includes(null) ? 'Balances are computed.' : under;
+    const late = is('ran') ? under : 'The motion is computed; the last one is shown.';
+    $('why').textContent = all.includes(null) ? 'Balances are computed.' : late;
     document.body.toggleAttribute('data-computing', open);
   }
   // A share where it is one, a multiple where it is many, with no digit beyond what numbers leave open.
@@ -299,7 +310,7 @@ document.addEventListener('DOMContentLoaded', () => {
   // Marks of both states' curves, beside their names.
   const STYLES = [0, 6];
   NAMES.forEach((name, k) => $(`of-${name}`).prepend(PinwheelCharts.swatch(STYLES[k]), ' '));
-  function series() {
+  function curves() {
     for (const label of Object.keys(first.series)) {
       const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: STYLES[k], values: found[name].series[label] || [], visible: true }));
       // Axes stay: with others a chart is made anew, which takes many times as long.
@@ -377,7 +388,7 @@ document.addEventListener('DOMContentLoaded', () => {
     turn(now);
     keep();
     figures();
-    series();
+    curves();
     onRedraw(() => charts.forEach((one) => one.redraw()));
     document.body.dataset.explore = '';
     pump();

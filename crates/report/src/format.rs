@@ -93,9 +93,9 @@ pub fn signed_percent(share: f64) -> String {
     format!("{:+.2}", hundredths / 100.0)
 }
 
-/// Formats a setting without the digits of binary rounding: `1e-6`, not `1.0000000000000002e-6`.
+/// Formats a setting with at most six digits: `1e-6`, not `1.0000000000000002e-6`.
 pub fn plain(value: f64) -> String {
-    let meant: f64 = format!("{value:.9e}").parse().unwrap_or(value);
+    let meant: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     if value != 0.0 && !(1e-4..1e6).contains(&meant.abs()) {
         return format!("{meant:e}");
     }
@@ -161,6 +161,11 @@ pub fn count(value: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+/// Returns a count with its noun: `1 figure`, `2 figures`.
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// Joins words.

@@ -254,7 +254,7 @@ impl Catalogue {
         if is_load && lighter.attempt().is_ok() {
             return Fault::new(
                 &["drive.output_torque_n_m"],
-                format!("is {} N m, more than such a gear bears", self.torque_n_m),
+                format!("is {} N m, more than such a gear carries", self.torque_n_m),
                 format!("did you type N mm? {}", lighter.torque_n_m),
             );
         }

@@ -18,7 +18,7 @@ pub(crate) fn as_toml(text: &str) -> Result<String, (usize, String)> {
         if protocol.as_u64() != Some(JOB_PROTOCOL) {
             return Err((
                 1,
-                format!("protocol {protocol} is none that is known here, which is {JOB_PROTOCOL}"),
+                format!("protocol {protocol} is unknown; this program has protocol {JOB_PROTOCOL}"),
             ));
         }
         value = value["scene"].take();

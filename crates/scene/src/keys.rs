@@ -103,32 +103,58 @@ impl Range {
     }
 }
 
+/// Endings of names with their units.
+const UNITS: [(&str, &str); 19] = [
+    ("stiffness_n_m", "N/m"),
+    ("spring_n_m", "N/m"),
+    ("_n_m_rad", "N m/rad"),
+    ("_n_m15", "N/m^1.5"),
+    ("_n_s_m", "N s/m"),
+    ("_kg_m2", "kg m^2"),
+    ("_kg_m3", "kg/m^3"),
+    ("_rad_s", "rad/s"),
+    ("_n_m", "N m"),
+    ("_m_s", "m/s"),
+    ("_kg", "kg"),
+    ("_w_m2", "W/m^2"),
+    ("_h", "h"),
+    ("_pa", "Pa"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_rad", "rad"),
+    ("_n", "N"),
+    ("_k", "K"),
+];
+
 impl Key {
+    fn ending(&self) -> Option<&'static (&'static str, &'static str)> {
+        UNITS.iter().find(|(end, _)| self.name.ends_with(end))
+    }
+
     /// Returns the unit at the end of the name, as text; empty for counts, names and plain numbers.
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 19] = [
-            ("stiffness_n_m", "N/m"),
-            ("spring_n_m", "N/m"),
-            ("_n_m_rad", "N m/rad"),
-            ("_n_m15", "N/m^1.5"),
-            ("_n_s_m", "N s/m"),
-            ("_kg_m2", "kg m^2"),
-            ("_kg_m3", "kg/m^3"),
-            ("_rad_s", "rad/s"),
-            ("_n_m", "N m"),
-            ("_m_s", "m/s"),
-            ("_kg", "kg"),
-            ("_w_m2", "W/m^2"),
-            ("_h", "h"),
-            ("_pa", "Pa"),
-            ("_m", "m"),
-            ("_s", "s"),
-            ("_rad", "rad"),
-            ("_n", "N"),
-            ("_k", "K"),
-        ];
-        let unit = UNITS.iter().find(|(end, _)| self.name.ends_with(end));
-        unit.map_or("", |(_, unit)| unit)
+        self.ending().map_or("", |(_, unit)| unit)
+    }
+
+    /// Returns the last part of the name in words, without its unit: `output pin radius`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let name = self.name.rsplit('.').next().unwrap_or_default();
+        let unit = self.ending().map_or("", |(end, _)| end);
+        let unit = unit
+            .strip_prefix("stiffness")
+            .or(unit.strip_prefix("spring"))
+            .unwrap_or(unit);
+        let words = name
+            .trim_end_matches(unit)
+            .trim_end_matches('_')
+            .replace('_', " ");
+        let words = words
+            .replace("external sleeve", "ring pin")
+            .replace("internal sleeve", "output pin");
+        words
+            .replace("internal circle", "output pins' circle")
+            .replace("wheel", "disc")
     }
 
     /// Returns the range that a number violates, as text: `from 0 to 1e5`. `None` for a permitted number.
@@ -143,6 +169,13 @@ impl Key {
     pub(crate) fn path(&self) -> Vec<&'static str> {
         self.name.split('.').collect()
     }
+}
+
+/// Returns the rows of keys in tables, a name before those that begin it, for texts with names.
+pub fn longest_first() -> impl Iterator<Item = &'static Key> {
+    let mut rows: Vec<&Key> = KEYS.iter().filter(|row| row.name.contains('.')).collect();
+    rows.sort_by_key(|row| std::cmp::Reverse(row.name.len()));
+    rows.into_iter()
 }
 
 /// Returns the row of a key.

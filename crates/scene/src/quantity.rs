@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::keys::KEYS;
 use crate::number::nearest;
+pub use crate::number::short;
 
 /// Units: as typed, in lower case with `_` for blanks; the base unit at the end of names of keys; and the typed unit in
 /// base units.
@@ -83,4 +84,35 @@ pub(crate) fn of_another_unit(key: &str) -> Option<(&'static str, f64)> {
         })?;
         (unit != base).then_some((row.name, *factor))
     })
+}
+
+/// Returns a text with some units replaced, each given as `(unit, (other, its number in one unit))`: a unit is that of the number
+/// before it, and of those that `to` or `and` joins with that number.
+#[must_use]
+pub fn in_units(text: &str, units: &[(&str, (&str, f64))]) -> String {
+    let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
+    let old: Vec<&str> = text.split(' ').collect();
+    let (mut scale, mut words) = (None, Vec::new());
+    for (place, word) in old.iter().enumerate().rev() {
+        let bare = word.trim_end_matches([',', ';', ':', ')']);
+        let before = place.checked_sub(1).and_then(|before| number(old[before]));
+        let unit = units
+            .iter()
+            .find(|(unit, _)| before.is_some() && *unit == bare);
+        words.push(match (unit, number(bare), scale) {
+            (Some((_, (other, factor))), ..) => {
+                scale = Some(factor);
+                word.replacen(bare, other, 1)
+            }
+            (None, Some(value), Some(factor)) => {
+                word.replacen(bare.trim_start_matches('('), &short(factor * value), 1)
+            }
+            _ => {
+                scale = scale.filter(|_| ["to", "and"].contains(word));
+                (*word).to_owned()
+            }
+        });
+    }
+    words.reverse();
+    words.join(" ")
 }

@@ -202,7 +202,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             return fault(&[DIAMETER], what, "leave it out");
         }
         if bearings.internal_sleeves_held.is_none() {
-            let what = "is missing, so that nothing holds the output pins";
+            let what = "is missing, and it supports the output pins";
             return fault(&[HELD, DIAMETER], what, "give \"one-end\" or \"both-ends\"");
         }
         if bearings.internal_sleeve_stiffness_n_m.is_some() {

@@ -84,7 +84,7 @@ impl Scene {
 /// Refuses temperatures of unknown materials, and those at which the gear is none; `outside` checks profile and ring.
 pub(crate) fn check(scene: &Scene, outside: fn(&Gear) -> Result<(), Fault>) -> Result<(), Fault> {
     if scene.temperature.is_some() && scene.contact.material.is_none() {
-        let what = "is missing, so that nothing says how far warm discs expand".to_owned();
+        let what = "is missing, and warm discs expand by it".to_owned();
         let remedy = "name the discs' material; contact.pin_material and structure.housing_material are those of pins and \
                       housing where they differ";
         return Err(Fault::new(&["contact.material", KEYS[1]], what, remedy));

@@ -9,6 +9,8 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::keys::{self, longest_first};
+use pinwheel_scene::quantity::{in_units, short};
 use pinwheel_scene::{
     CheckedScene, Formulation, Override, Scene, SceneError, edited, preset, scales,
 };
@@ -144,62 +146,59 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
     })
 }
 
-/// A fault in the words and units of the sliders: keys are their labels, and numbers with a unit of a scene are in the slider's of
-/// the key that is at fault, or millimetres.
-fn in_words(key: &str, what: &str, remedy: &str) -> String {
-    let own = SLIDERS.iter().find(|slider| slider.key == key);
-    let length = own.map_or(MM, |slider| slider.unit);
-    let length = if length == UM { UM } else { MM };
-    let units = [("m", length), ("rad/s", RPM), ("N/m", N_UM)];
-    let text = format!(
-        "{} {what}; {remedy}",
-        own.map_or(key, |slider| slider.label)
-    );
-    let scaled = |value: f64, factor: f64| {
-        let short = format!("{:.5e}", value * factor).parse::<f64>();
-        short.unwrap_or_default().to_string()
+/// Returns the words of a key, with the unit in which it is shown and its number in one unit of the key.
+fn spoken(key: &str) -> (String, (&'static str, f64)) {
+    if let Some(slider) = SLIDERS.iter().find(|slider| slider.key == key) {
+        return (slider.label.to_lowercase(), slider.unit);
+    }
+    let Some(row) = keys::key(key) else {
+        return (key.to_owned(), COUNT);
     };
-    let text = SLIDERS.iter().fold(text, |text, slider| {
-        let (label, (unit, factor)) = (slider.label.to_lowercase(), slider.unit);
-        let text = text.replace(&format!("`{}`", slider.key), slider.key);
-        let text = match text.split_once(&format!("{} = ", slider.key)) {
+    let shown = UNITS.iter().find(|(unit, _)| *unit == row.unit());
+    let shown = shown.map_or((row.unit(), 1.0), |(_, shown)| *shown);
+    (row.words(), shown)
+}
+
+/// Units of scenes with those shown instead.
+const UNITS: [(&str, (&str, f64)); 4] = [
+    ("m", MM),
+    ("rad/s", RPM),
+    ("N/m", N_UM),
+    ("Pa", ("MPa", 1e-6)),
+];
+
+/// Returns a fault in the words and units of the page: keys are words, and numbers with a unit of a scene are in the unit that is
+/// shown, lengths in that of the key at fault.
+fn in_words(key: &str, what: &str, remedy: &str) -> String {
+    let own = spoken(key);
+    let mut units = UNITS;
+    if own.1 == UM {
+        units[0].1 = UM;
+    }
+    // The hint of a key is in the scene's unit.
+    let hint = keys::key(key).filter(|row| !row.unit().is_empty() && row.hint == remedy);
+    let remedy = hint.map_or_else(|| format!("; {remedy}"), |_| String::new());
+    let text = format!("{} {what}{remedy}", own.0);
+    let text = longest_first().fold(text, |text, row| {
+        let key = row.name;
+        let (label, (unit, factor)) = spoken(key);
+        let text = text.replace(&format!("`{key}`"), key);
+        let text = match text.split_once(&format!("{key} = ")) {
             Some((head, tail)) => {
                 let (value, rest) = tail.split_at(tail.find([',', ';', ' ']).unwrap_or(tail.len()));
                 let value = value
                     .parse()
-                    .map_or(value.to_owned(), |value| scaled(value, factor));
-                format!("{head}{label} = {value} {unit}{rest}")
+                    .map_or(value.to_owned(), |value: f64| short(factor * value));
+                let value = format!("{value} {unit}");
+                format!("{head}{label} = {}{rest}", value.trim_end())
             }
             None => text,
         };
-        text.replace(slider.key, &label)
+        text.replace(key, &label)
     });
-    let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
-    let old: Vec<&str> = text.split(' ').collect();
-    // From the right: a unit is that of the number before it, and of those that `to` or `and` joins with that.
-    let (mut scale, mut words) = (None, Vec::new());
-    for (place, word) in old.iter().enumerate().rev() {
-        let bare = word.trim_end_matches([',', ';', ':', ')']);
-        let before = place.checked_sub(1).and_then(|before| number(old[before]));
-        let unit = units
-            .iter()
-            .find(|(unit, _)| before.is_some() && *unit == bare);
-        words.push(match (unit, number(bare), scale) {
-            (Some((_, unit)), ..) => {
-                scale = Some(unit.1);
-                word.replacen(bare, unit.0, 1)
-            }
-            (None, Some(value), Some(factor)) => {
-                word.replacen(bare.trim_start_matches('('), &scaled(value, factor), 1)
-            }
-            _ => {
-                scale = scale.filter(|_| ["to", "and"].contains(word));
-                (*word).to_owned()
-            }
-        });
-    }
-    words.reverse();
-    words.join(" ")
+    let text = in_units(&text, &units);
+    let (first, rest) = text.split_at(text.chars().next().map_or(0, char::len_utf8));
+    first.to_uppercase() + rest
 }
 
 /// Returns name and scene file of a state, for the working folder. It is the user's file with the keys of `sets` and the
@@ -294,14 +293,14 @@ pub fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
 /// Computes the motion of a state by a run; `None` if the run diverges at once.
 ///
 /// # Errors
-/// `cancel` was set.
+/// Stopped by `control`, to which the run reports.
 pub fn motion(
     gearbox: &Gearbox,
     span_s: f64,
-    cancel: &AtomicBool,
+    control: &Control<'_>,
 ) -> Result<Option<Motion>, Cancelled> {
     let (span, step) = ((0.0, span_s), span_s / SAMPLES);
-    Motion::over(gearbox, "", span, step, &Control::silent(cancel))
+    Motion::over(gearbox, "", span, step, control)
 }
 
 /// Figures of a state's balances. With `laws` they have their bands, and there are limits, which take longer.

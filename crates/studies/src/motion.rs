@@ -72,7 +72,7 @@ impl Motion {
         let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(names)) else {
             return Ok(None);
         };
-        let watch = &mut |_| control.is_cancelled();
+        let watch = &mut |time_s| control.reached(time_s);
         let mut run = match native::run_at_samples(&gearbox, watch) {
             Ok(run) => run,
             Err(NativeError::Stopped) => return Err(Cancelled),
@@ -83,7 +83,7 @@ impl Motion {
             // Diverging forces do not show the gear if another method finishes.
             match resolve::run_resolved(&gearbox, auto::TARGET, BUDGET, watch) {
                 Ok((other, _)) if other.ending.is_finished() => {
-                    title.push_str(", by a method that gets through");
+                    title.push_str(", by a method that finishes");
                     run = other;
                 }
                 Err(NativeError::Stopped) => return Err(Cancelled),

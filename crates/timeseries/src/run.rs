@@ -188,7 +188,7 @@ const MOST_EFFICIENT: f64 = 2.0;
 /// Least share of the power created or destroyed by a contact law that makes an efficiency meaningless.
 pub const CREATED: f64 = 1e-3;
 /// Reason why a scene without friction has no efficiency.
-pub const NO_LOSS: &str = "no loss modelled: nothing rubs in this scene";
+pub const NO_LOSS: &str = "no loss modelled: the scene has no friction";
 /// Reason why an engine without an energy account has no efficiency above 1.
 pub const ABOVE_ONE: &str =
     "above 1: what the contact law creates is in it, and this engine keeps no account of that";

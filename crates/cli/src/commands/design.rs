@@ -5,6 +5,8 @@ use std::time::Instant;
 
 use pinwheel::pages;
 use pinwheel::scene::catalogue::ARGUMENTS;
+use pinwheel::scene::keys::longest_first;
+use pinwheel::scene::quantity::in_units;
 use pinwheel::scene::{Fault, schema};
 use pinwheel::studies::design;
 
@@ -87,7 +89,7 @@ fn is_scene(content: &[u8]) -> bool {
     lines.any(|line| line == b"[gear]" || line.starts_with(b"base = "))
 }
 
-/// Converts a fault of keys to one of their flags; keys outside of backticks stay: they have the scene's units.
+/// Converts a fault of keys to one of their flags; keys outside of backticks become words, lengths millimetres.
 fn by_flag(fault: &Fault) -> Failure {
     let flag = |name: &str| format!("--{}", name.replace('_', "-"));
     let text = ARGUMENTS
@@ -95,7 +97,8 @@ fn by_flag(fault: &Fault) -> Failure {
         .fold(fault.to_string(), |text, (key, name)| {
             text.replace(&format!("`{key}`"), &format!("`{}`", flag(name)))
         });
-    Failure::input(text)
+    let text = longest_first().fold(text, |text, row| text.replace(row.name, &row.words()));
+    Failure::input(in_units(&text, &[("m", ("mm", 1e3))]))
 }
 
 pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
@@ -110,6 +113,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let made = folder.write(|dir, made| found.write(dir, made))?;
     let html = pages::design::page(&found, &made);
     let text = pages::design::text(&found, screen::manner().verbose);
+    let (said, why) = pages::design::answer(&found.limits);
+    screen::answer(format!("bears its load: {said}; {why}"));
     folder.show(&html, &text)?;
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {

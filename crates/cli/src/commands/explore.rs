@@ -35,9 +35,11 @@ const PORT: u16 = 7347;
 const KEY: &str = "X-Pinwheel-Key";
 /// Interval between two checks for an interrupt.
 const TICK: Duration = Duration::from_millis(200);
-/// Longest wait of a run for its balances. After late balances some runs omit them, because the delay is noticeable at the
-/// sliders.
-const PATIENCE: Duration = Duration::from_millis(32);
+/// Longest wait of an answer for its balances, because a longer delay is noticeable at the sliders. After late balances some runs
+/// omit them.
+const PATIENCE: Duration = Duration::from_millis(36);
+/// Longest wait for its run, which is asked for again.
+const RUN: Duration = Duration::from_millis(30);
 /// Runs without balances: number from now on, and number after the next late ones.
 #[derive(Clone, Copy)]
 struct Without {
@@ -120,7 +122,7 @@ impl Entry {
                     (true, true) if given.is_some() => Ok("/"),
                     (true, true) => Ok(path),
                     (true, false) => Err(refused(
-                        "this page has not the key that came with the address: open that address again",
+                        "this page lacks the key of the address: open that address again",
                     )),
                     _ => Err(refused(unknown)),
                 }
@@ -348,7 +350,7 @@ impl Explorer {
                     "/save" => self.save(&values),
                     "/compare" => self.compare(&values),
                     "/file" => self.file(&values),
-                    "/balances" | "/bands" | "/sample" => {
+                    "/balances" | "/bands" | "/sample" | "/motion" => {
                         self.balances(tab, path, &values, &question.gone)
                     }
                     _ => Ok(plain(404, "there is nothing here")),
@@ -365,13 +367,13 @@ impl Explorer {
         *locked(&self.span_s) = states::span_s(&scene);
         let made = Provenance::here(args::typed());
         let gearbox = states::quick(&scene).map_err(|why| plain(422, why))?;
-        let motion = states::motion(&gearbox, states::span_s(&scene), gone);
+        let motion = states::motion(&gearbox, states::span_s(&scene), &Control::silent(gone));
         let motion = motion.map_err(Failure::from)?;
         let text = live::page(&scene, motion.as_ref(), &made);
         text.map(page).map_err(|why| plain(422, why))
     }
 
-    /// Runs a state, with its balances if they are ready in time; stops when its page is `gone`.
+    /// Answers with the run of a state and its balances, each if ready in time; stops when its page is `gone`.
     fn run(&self, tab: &str, values: &states::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
         let begun = Instant::now();
         let stop = Arc::default();
@@ -389,11 +391,16 @@ impl Explorer {
         });
         // Unlocked during the run, so that other requests are answered.
         let span_s = *locked(&self.span_s);
-        let found = states::motion(&gearbox, span_s, gone);
-        if found.is_err() {
-            stop.store(true, Ordering::Relaxed);
-        }
-        let found = live::run(found.map_err(Failure::from)?.as_ref());
+        let late = AtomicBool::new(false);
+        let watch = |_: Progress<'_>| {
+            if begun.elapsed() > RUN || gone.load(Ordering::Relaxed) {
+                late.store(true, Ordering::Relaxed);
+            }
+        };
+        let found = match states::motion(&gearbox, span_s, &Control::new(&late, &watch)) {
+            Ok(motion) => live::run(motion.as_ref()),
+            Err(_) => Ok(json!({})),
+        };
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
@@ -406,7 +413,7 @@ impl Explorer {
         Ok(told(&run))
     }
 
-    /// Computes the balances of the newest requested state; `stop` ends them.
+    /// Computes what the answer of the newest requested state lacks; `stop` ends it.
     fn balances(
         &self,
         tab: &str,
@@ -416,6 +423,13 @@ impl Explorer {
     ) -> Result<Answer, Answer> {
         self.newest(tab, stop);
         let gearbox = states::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
+        if path == "/motion" {
+            let span_s = *locked(&self.span_s);
+            return match states::motion(&gearbox, span_s, &Control::silent(stop)) {
+                Ok(motion) => Ok(told(&live::run(motion.as_ref()).map_err(reason)?)),
+                Err(_) => Ok(told(&LATE)),
+            };
+        }
         let begun = Instant::now();
         let found = balances(&gearbox, path, stop);
         if path == "/balances" && found.is_ok() {

@@ -29,7 +29,7 @@ pub(crate) fn open(args: &OpenArgs) -> Result<(), Failure> {
     // Output of the browser is irrelevant.
     open::that_detached(&page).map_err(|error| {
         Failure::engine(format!(
-            "no browser could be started: {error}; open {} yourself, or copy it to where there is one",
+            "no browser could be started: {error}; open {} yourself, or copy it to a machine with a browser",
             page.display()
         ))
     })

@@ -46,7 +46,7 @@ pub(super) const HOOK: &[ModelTolerance] = statements! {
 /// rapier's own contacts.
 pub(super) const COLLIDERS: &[ModelTolerance] = statements! {
     With, STEADY, "input_torque_n_m", Mean, LawEnergy, 2.5e-2,
-    "Linear spring, polyline discs; Coulomb friction holds pins that the regularised one lets creep.";
+    "Linear spring, polyline discs; under Coulomb friction pins stick that creep under the regularised one.";
     Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 1.5e-2,
     "Linear spring of a stiffness that depends on pairs of masses, polyline discs.";
     Any, STEADY, "output_torque_n_m", Mean, Same, 1.5e-2,

@@ -12,6 +12,7 @@ pub(crate) static REDUCED: EngineInfo<'static> = EngineInfo {
     short: "reduced",
     colour: Some(0),
     form: Some(Form::Reduced),
+    usual_s: 0.3,
     differences: "One equation per angle that forces can change: discs, output, and with friction the pins. \
         Translations of centre-pinned bodies are eliminated exactly, so there are no joints to drift.",
     ..EngineInfo::own("native-reduced", SharedModel::Native)
@@ -22,6 +23,7 @@ pub(crate) static LAGRANGE: EngineInfo<'static> = EngineInfo {
     short: "lagrange",
     colour: Some(1),
     form: Some(Form::Lagrange),
+    usual_s: 0.6,
     differences: "Three coordinates per body and multipliers for every joint, as the paper writes it. The saddle-point \
         system is factored along the joints; positions are put back onto the constraints at every stage \
         unless the scene says otherwise.",
@@ -33,6 +35,7 @@ pub(crate) static RESOLVED: EngineInfo<'static> = EngineInfo {
     short: "resolved",
     colour: Some(2),
     form: Some(Form::Resolved),
+    usual_s: 0.2,
     differences: "The equations of native-reduced without the scene's integrator and step: method and steps come from the \
         scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
         1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \

@@ -16,6 +16,7 @@ pub(crate) static SHARED_LAW: EngineInfo<'static> = EngineInfo {
     feature: Some("rapier"),
     refinement: Some(Refinement::step(2.0)),
     explicit_friction: true,
+    usual_s: 1.6,
     differences: "Every body keeps its three coordinates. Revolutes are held by impulses, found by sweeps of projected \
         Gauss-Seidel from the last step's values, and their position errors are fed back. Time integration is \
         rapier's semi-implicit Euler used as leapfrog, which is second order: the first step carries half of every \
@@ -33,6 +34,7 @@ pub(crate) static HOOK: EngineInfo<'static> = EngineInfo {
     feature: Some("rapier"),
     refinement: Some(Refinement::step(2.0)),
     model: model::HOOK,
+    usual_s: 5.0,
     differences: "Bodies, joints and time integration as in rapier-shared-law, but the forces pass through rapier's own contact \
         solver: a hook hands it the contact point, the normal and a depth under which its spring carries the normal \
         force of the scene's law (a part of that law along the profile acts as a load beside it). Friction is \
@@ -51,6 +53,7 @@ pub(crate) static COLLIDERS: EngineInfo<'static> = EngineInfo {
     stands_in: Some(2),
     own_contact: OwnContact::Springs,
     model: model::COLLIDERS,
+    usual_s: 3.2,
     differences: "Everything in contact is rapier's own. Discs and holes are closed polylines made from Eq. 1 alone, pins are \
         discs, contacts come from its collision detection (of several segments that touch a pin only the nearest \
         counts), friction is exactly Coulomb and implicit. Its contact spring is linear, not K delta^1.5: one frequency \

@@ -17,6 +17,7 @@ pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
     // For steps limited by samples, at which they end: an error of 5e-9 at a tolerance of 1e-6 on a gear in equilibrium, at
     // every tolerance.
     shared_error: 0.02,
+    usual_s: 12.0,
     differences: "A program in C++ of its own, which loads our contact law as a library. Every body turns on a pin relative \
         to its carrier, and Simbody's recursive equations give the accelerations; the input shaft follows a prescribed \
         motion, and the driver torque is the force that motion takes. Steps are chosen by error control, to \
@@ -37,6 +38,7 @@ pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
     // of a light gear the runs at 1e-3 and 1e-4 both have an error of 1.9e-4, and differ by 4e-5.
     shared_error: 2.0,
     digits: 8,
+    usual_s: 8.0,
     differences: "The published formulation, three coordinates a body and a multiplier for every constraint, given to a \
         general solver of differential-algebraic equations. Constraints hold at position and at velocity level (the form \
         of Gear, Gupta and Leimkuhler), so nothing drifts. Steps and order (BDF, 1 to 5) follow an error of a tenth of \

@@ -132,7 +132,7 @@ pub fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
                 .to_owned()
         }
         None => format!(
-            "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would tell.",
+            "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would measure it.",
             budget as f64
         ),
     }

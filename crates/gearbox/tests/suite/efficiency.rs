@@ -40,7 +40,7 @@ fn the_load_may_drive() {
     assert_eq!(found.defined(), Ok(found.of_losses));
     let mut smooth = found;
     smooth.rubs = false;
-    assert!(smooth.defined().unwrap_err().contains("nothing rubs"));
+    assert!(smooth.defined().unwrap_err().contains("no friction"));
     assert!(Efficiency::of(&audit(10.0, 10.0, 20.0)).is_none());
     assert!(Efficiency::of(&audit(0.0, 0.0, 0.0)).is_none());
 }

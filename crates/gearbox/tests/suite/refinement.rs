@@ -131,7 +131,7 @@ fn a_method_that_fails_gives_way() {
     let (end, found) = refine(&overload, 1e-3, u64::MAX, "rk4");
     assert!(!end && found.best.is_none() && found.diverged.is_some());
     let stopped = found.stopped.unwrap();
-    assert!(stopped.contains("rk4 does not get through"), "{stopped}");
+    assert!(stopped.contains("rk4 fails on it"), "{stopped}");
     let settings: Vec<&str> = found.levels.iter().map(|r| r.setting.as_str()).collect();
     assert_eq!(settings.len(), 3, "{settings:?}");
     assert!(settings[0] != settings[1] && settings[1] != settings[2]);

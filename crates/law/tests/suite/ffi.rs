@@ -203,7 +203,7 @@ fn scenes_come_as_folder_file_text_or_json() {
             "base = \"paper\"\ngear.wheels = -2",
             "line 2: `gear.wheels`",
         ),
-        (newer.as_str(), "protocol 2 is none that is known here"),
+        (newer.as_str(), "protocol 2 is unknown"),
         ("{\"protocol\": 1}", "the job holds no `scene`"),
         ("{\"gear\": ", "not valid JSON"),
         ("", "there is no preset and no file"),

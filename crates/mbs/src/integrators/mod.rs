@@ -103,13 +103,13 @@ impl std::ops::Add for StepCounts {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// The state or its derivative is not finite.
-    #[error("the state is no longer finite at t = {time} s")]
+    #[error("the state is no longer finite at t = {time:.6} s")]
     NotFinite {
         /// Time, s.
         time: f64,
     },
     /// An adaptive method cannot meet its tolerance.
-    #[error("the step fell below rounding at t = {time} s: the tolerance cannot be met")]
+    #[error("the step fell below rounding at t = {time:.6} s: the tolerance cannot be met")]
     StepTooSmall {
         /// Time, s.
         time: f64,

@@ -174,7 +174,7 @@ fn headline(verdict: Verdict) -> &'static str {
         Verdict::Same => "Nothing moved but roundings",
         Verdict::Changed => "Results moved, within their limits",
         Verdict::New => "Nothing is shown of some cases",
-        Verdict::Better => "Something is better, nothing is worse",
+        Verdict::Better => "Some figures are better, none is worse",
         Verdict::Traded => "Something is more accurate and dearer",
         Verdict::Worse => "Something is worse",
     }

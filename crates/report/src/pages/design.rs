@@ -97,10 +97,10 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
              the law `{}`.",
             sentence(&scene.description),
             found.dimensions.ratio,
-            number(found.rated_torque_n_m),
+            format::plain(found.rated_torque_n_m),
             scene.contact.law
         ),
-        tiles_title: format!("At {} N m", number(found.rated_torque_n_m)),
+        tiles_title: format!("At {} N m", format::plain(found.rated_torque_n_m)),
         decision: decision(found, made),
         tiles: headlines(found).map(figure::tile).collect(),
         below: vec![

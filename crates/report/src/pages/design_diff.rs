@@ -66,7 +66,7 @@ pub fn text(found: &DesignDiff) -> String {
     }
     let followed = found.changed.len() - stated().count();
     if followed > 0 {
-        let keys = counted(followed, "key that follows", "keys that follow");
+        let keys = format::counted(followed, "key that follows", "keys that follow");
         text.push_str(&format!("and {keys} from them\n"));
     }
     let off = found.stages.as_ref().map_or_else(String::new, Located::off);
@@ -129,16 +129,23 @@ fn verdict(found: &DesignDiff) -> Verdict {
         }
     };
     let changed = found.changed.len();
-    let changed = counted(
+    let changed = format::counted(
         changed,
         "key of the scene differs",
         "keys of the scene differ",
     );
-    let same = counted(same, "figure is", "figures are");
-    let mut detail =
-        format!("{changed}; {same} the same, {below} with a difference below the uncertainty");
-    if unknown > 0 {
-        detail.push_str(&format!(", of {unknown} it is not known"));
+    let mut detail = changed;
+    for (count, what) in [
+        (same, "the same"),
+        (below, "with a difference below the uncertainty"),
+        (unknown, "with an unknown difference"),
+    ] {
+        if count > 0 {
+            detail.push_str(&format!(
+                ", {} {what}",
+                format::counted(count, "figure", "figures")
+            ));
+        }
     }
     if let Some((name, reason)) = found.broken() {
         detail.push_str(&format!(". {name}: {reason}"));
@@ -164,17 +171,18 @@ fn most(found: &DesignDiff) -> Vec<&Diff> {
     rows
 }
 
-fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
-
-/// Returns a value of a scene file as text.
-fn value(value: Option<&Value>) -> String {
-    match value {
+/// Returns a value of a scene file as text, with more than six digits only where both values need them.
+fn value(change: &KeyDiff, of: usize) -> String {
+    let short = |value: &Option<Value>| match value {
         None => NONE.to_owned(),
         Some(Value::String(text)) => text.clone(),
         Some(Value::Number(number)) => number.as_f64().map_or(number.to_string(), format::plain),
         Some(other) => other.to_string(),
+    };
+    let both = change.values.each_ref().map(short);
+    match &change.values[of] {
+        Some(whole) if both[0] == both[1] => whole.to_string(),
+        _ => both[of].clone(),
     }
 }
 
@@ -265,8 +273,8 @@ fn keys<'a>(
     let [a, b] = &found.names;
     Table::of(caption, changes)
         .text("", "Key", |change| format!("`{}`", change.key))
-        .text("", a, |change| value(change.values[0].as_ref()))
-        .text("", b, |change| value(change.values[1].as_ref()))
+        .text("", a, |change| value(change, 0))
+        .text("", b, |change| value(change, 1))
         .text("", "Stage", |change| change.stage.map_or("", Stage::name))
 }
 

@@ -93,7 +93,13 @@ fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
     let (width, widest) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mark = Mark::warn(widest.bands().is_empty());
     let why = format!("{}: {}", widest.def.label, shown(widest).1);
-    Some(Question::Sure.answered(mark, format!("to {}", format::relative(width)), why))
+    let alone = if mark == Mark::Warn {
+        "numerically "
+    } else {
+        ""
+    };
+    let said = format!("{alone}to {}", format::relative(width));
+    Some(Question::Sure.answered(mark, said, why))
 }
 
 /// Name and description of a scene.

@@ -25,8 +25,8 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let torque = columns::INPUT_TORQUE;
     if found.statistic("mean", torque).is_some() {
         let [mean, least, most] = ["mean", "min", "max"].map(|kind| of(kind, torque));
-        let from_s = format::plain(found.from_s);
-        let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
+        let from = format::seconds(found.from_s);
+        let said = format!("mean {mean} N m; {least} to {most}, from {from} on");
         rows.push(("driver torque", said));
     }
     for (label, group) in [
@@ -84,11 +84,15 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
 #[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let results = found.results();
-    let heads = ["mean_input", "peak_", SHARE_DELIVERED.key.as_ref()];
-    let heads = results
-        .figures
-        .iter()
-        .filter(|one| heads.iter().any(|key| one.def.key.starts_with(key)));
+    let share = results.get(&SHARE_DELIVERED);
+    let share = share.map(|share| share.scaled(100.0, "%"));
+    let forces = results.figures.iter();
+    let forces = forces.filter(|one| {
+        ["mean_input", "peak_"]
+            .iter()
+            .any(|key| one.def.key.starts_with(key))
+    });
+    let heads = forces.chain(&share);
     let facts = settings(found)
         .into_iter()
         .filter(|(_, said)| !said.is_empty());
@@ -109,7 +113,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
             detail: "Shown is what there is until then.".to_owned(),
         }),
         decision: decision(found, heads.clone(), made),
-        tiles_title: format!("from {} s on", format::plain(results.from_s)),
+        tiles_title: format!("from {} on", format::seconds(results.from_s)),
         tiles: heads.map(figure::tile).collect(),
         below: vec![
             Block::heading("How it was computed"),
@@ -129,9 +133,9 @@ fn decision<'a>(
 ) -> Decision {
     let right = match &found.resolution {
         Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
-        None => (Mark::Warn, "no engine beside it".to_owned()),
+        None => (Mark::Warn, "one engine alone".to_owned()),
     };
-    let right = Question::Right.answered(right.0, "one engine alone", right.1);
+    let right = Question::Right.answered(right.0, "not compared", right.1);
     let bears = found.limits.as_ref().map(bears);
     let next = crate::pages::next(made, "compare", "whether other engines agree");
     [Some(right), bears, crate::pages::sure(heads), Some(next)]
@@ -167,7 +171,10 @@ fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
     rows.extend(bands.into_iter().flat_map(band::rows));
     rows.extend(doubts(&found.scene));
     let track = found.track.as_str();
-    let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);
+    let (samples, end_s) = (
+        found.run.time_series.len(),
+        format::plain(found.scene.solver.duration_s),
+    );
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);
     let steps = format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls);
     let freedom = format!("{} velocities integrated", stats.degrees_of_freedom);

@@ -113,7 +113,7 @@ pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
     let most = SPEED_M_S / (bore * scene.eccentric_per_input().abs());
     let speed = Some(scene.drive.input_speed_rad_s.abs());
     let fastest = format!(
-        "the fastest bearings bear in a bore of {} m, {SPEED_M_S} m/s",
+        "the fastest bearings with a bore of {} m reach {SPEED_M_S} m/s",
         short(bore)
     );
     judge(

@@ -83,7 +83,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         return Err(Fault::new(
             &["solver.integrator", "contact.friction_law"],
             format!(
-                "is {name}, which solves friction as a convex problem; a coefficient that falls with speed is none"
+                "is {name}, which solves friction as a convex problem; a coefficient that falls with speed is not convex"
             ),
             "use friction_law = \"regularised\" or another integrator",
         ));

@@ -22,12 +22,14 @@ pub use series::{Cost, Measure, Point, Series};
 pub use settings::Stopped;
 
 use std::path::Path;
+use std::time::Instant;
 
-use pinwheel_engines::{Engine, SharedModel, by_name, registry};
+use pinwheel_engines::{Engine, Form, SharedModel, by_name, registry};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
+use crate::comparison::outlook::{Outlook, left_s};
 use crate::control::{Control, Progress, compile};
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -170,12 +172,30 @@ pub fn run(
         control,
     };
     let mut all = Vec::new();
-    for by in tasks {
+    let begun = Instant::now();
+    let now_s = || begun.elapsed().as_secs_f64();
+    let usual = |(engine, _): &(&dyn Engine, Option<&str>)| {
+        let runs = if engine.info().form == Some(Form::Lagrange) {
+            8.0
+        } else {
+            4.0
+        };
+        Outlook::usual(runs * options.longest(engine.track()))
+    };
+    let mut outlooks: Vec<Outlook> = tasks.iter().map(usual).collect();
+    for (k, by) in tasks.into_iter().enumerate() {
         if control.is_cancelled() {
             break;
         }
-        let mut announce = |piece: &str| (control.progress)(Progress::new(done, total, piece));
+        outlooks[k].begun_s = Some(now_s());
+        let mut announce = |piece: &str| {
+            (control.progress)(Progress {
+                left_s: left_s(&outlooks, 1, now_s()),
+                ..Progress::new(done, total, piece)
+            });
+        };
         all.push(setup.series(by, &mut announce)?);
+        outlooks[k].ended_s = Some(now_s());
         done += 1;
     }
     let differences = engines.iter().map(|engine| {

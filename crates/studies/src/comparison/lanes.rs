@@ -10,12 +10,13 @@
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use pinwheel_compare::{Context, Divergence, Evidence, Participant, SharedModel};
-use pinwheel_engines::Engine;
+use pinwheel_compare::{Context, Divergence, Evidence, Participant};
 use pinwheel_engines::kept::{self, Store};
+use pinwheel_engines::{Engine, needs};
 use pinwheel_gearbox::Gearbox;
 
-use super::refine::{Refiner, refine};
+use super::outlook::{self, Outlook};
+use super::refine::refine;
 use super::{Effort, Input, context};
 use crate::StudyError;
 use crate::control::{Control, Progress};
@@ -89,14 +90,8 @@ impl Lanes<'_> {
         let ahead = self.ahead.filter(|_| self.jobs > 1 && self.store.is_some());
         let mut order: Vec<usize> = (0..engines.len()).collect();
         if self.jobs > 1 {
-            let usual = |k: &usize| match engines[*k].info() {
-                info if info.in_python && info.track == SharedModel::OwnContact => 30.0,
-                info if info.in_python => 20.0,
-                info if info.outside => 10.0,
-                _ => 1.0,
-            };
-            let cost = |k: &usize| lock(&board.lanes).0[*k].cost_s.unwrap_or(usual(k));
-            order.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
+            let usual = |k: &usize| lock(&board.lanes).0[*k].outlook.usual_s;
+            order.sort_by(|a, b| usual(b).total_cmp(&usual(a)));
         }
         // Without separate processes they are one piece of work.
         let (together, alone): (Vec<usize>, Vec<usize>) = order
@@ -138,38 +133,14 @@ const EVERY: Duration = Duration::from_millis(100);
 /// State of one engine.
 struct Lane<'a> {
     name: &'a str,
-    /// CPU time of its latest stored runs, s.
-    cost_s: Option<f64>,
-    /// True if it runs once.
-    once: bool,
-    begun: Option<Instant>,
-    /// Remaining time, s, with the time of the report.
-    left: Option<(Instant, f64)>,
-    /// Duration of the work, s.
-    took: Option<f64>,
-}
-
-impl Lane<'_> {
-    fn since_s(&self) -> f64 {
-        self.begun
-            .map_or(0.0, |begun| begun.elapsed().as_secs_f64())
-    }
-
-    /// Returns the remaining time, s, if known; `pace`: present duration of one second of the estimate.
-    fn left_s(&self, pace: f64) -> Option<f64> {
-        match self.left {
-            _ if self.took.is_some() => Some(0.0),
-            Some((at, left)) => Some((left - at.elapsed().as_secs_f64()).max(0.0)),
-            // Once the stored cost is exceeded, the remaining time is unknown.
-            None => Some(self.cost_s? * pace - self.since_s()).filter(|left| *left >= 0.0),
-        }
-    }
+    outlook: Outlook,
 }
 
 /// Common progress report of parallel engines.
 struct Board<'a> {
     control: &'a Control<'a>,
     jobs: usize,
+    begun: Instant,
     /// Engines, with the time of the last report.
     lanes: Mutex<(Vec<Lane<'a>>, Instant)>,
 }
@@ -181,20 +152,25 @@ impl<'a> Board<'a> {
         lanes: &Lanes<'_>,
         control: &'a Control<'a>,
     ) -> Self {
-        let lane = |engine: &&'a dyn Engine| Lane {
-            name: engine.name(),
-            cost_s: lanes
-                .store
-                .and_then(|store| store.cost_s(engine.name(), &gearbox.scene)),
-            once: Refiner::of(*engine, gearbox.clone()).is_none(),
-            begun: None,
-            left: None,
-            took: None,
+        let lane = |engine: &&'a dyn Engine| {
+            let info = engine.info();
+            // Python installs its packages at the first run; a user's solver is asked once.
+            let is_absent = !info.in_python && needs(&info).is_some();
+            let is_idle = is_absent || !info.brought && engine.prepare(gearbox).is_err();
+            let stored = lanes.store.filter(|_| !is_idle);
+            let stored = stored.and_then(|store| store.cost_s(info.name, &gearbox.scene));
+            let usual_s = if is_idle { 0.0 } else { info.usual_s };
+            Lane {
+                name: engine.name(),
+                outlook: Outlook::usual(stored.unwrap_or(usual_s)),
+            }
         };
+        let now = Instant::now();
         Self {
             control,
             jobs: lanes.jobs.max(1),
-            lanes: Mutex::new((engines.iter().map(lane).collect(), Instant::now())),
+            begun: now,
+            lanes: Mutex::new((engines.iter().map(lane).collect(), now)),
         }
     }
 
@@ -205,55 +181,38 @@ impl<'a> Board<'a> {
         work: impl FnOnce(Progress<'_>, &Control<'_>) -> Result<T, StudyError>,
     ) -> Result<T, StudyError> {
         self.control.check()?;
-        let name = self.change(k, true, |lane| {
-            lane.begun = Some(Instant::now());
+        let name = self.change(k, true, |lane, now_s| {
+            lane.outlook.begun_s = Some(now_s);
             lane.name
         });
         let heard = |at: Progress<'_>| {
-            self.change(k, false, |lane| {
-                let since = lane.since_s();
-                let by_pace = |[at, of]: [f64; 2]| since * (of - at).max(0.0) / at;
-                let paced = at.simulated_s.filter(|_| lane.once).map(by_pace);
-                let left = at.left_s.or(paced).filter(|left| left.is_finite());
-                lane.left = left.map(|left| (Instant::now(), left)).or(lane.left);
+            self.change(k, false, |Lane { outlook, .. }, now_s| {
+                let left = at.left_s.filter(|left| left.is_finite());
+                outlook.told_s = left.map(|left| [now_s, left]).or(outlook.told_s);
             });
         };
         let control = self.control.limited(self.control.cancel, &heard);
         let done = work(Progress::new(0, 1, name), &control);
-        self.change(k, false, |lane| lane.took = Some(lane.since_s()));
+        self.change(k, false, |lane, now_s| lane.outlook.ended_s = Some(now_s));
         done
     }
 
-    /// Changes the state of an engine and reports, at once or when a report is due.
-    fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>) -> T) -> T {
+    /// Changes the state of an engine, given the time, s, and reports, at once or when a report is due.
+    fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>, f64) -> T) -> T {
         let (lanes, told) = &mut *lock(&self.lanes);
-        let changed = by(&mut lanes[k]);
+        let now_s = self.begun.elapsed().as_secs_f64();
+        let changed = by(&mut lanes[k], now_s);
         if at_once || told.elapsed() >= EVERY {
             *told = Instant::now();
-            let runs = lanes
-                .iter()
-                .filter(|lane| lane.begun.is_some() && lane.took.is_none());
+            let all: Vec<Outlook> = lanes.iter().map(|lane| lane.outlook).collect();
+            let runs = lanes.iter();
+            let runs = runs
+                .filter(|lane| lane.outlook.begun_s.is_some() && lane.outlook.ended_s.is_none());
             let runs: Vec<&str> = runs.map(|lane| lane.name).collect();
-            let done = lanes
-                .iter()
-                .filter_map(|lane| Some((lane.took?, lane.cost_s)));
-            let known = done.clone().filter_map(|(took, cost)| Some((took, cost?)));
-            let [took, cost] = known.fold([0.0; 2], |[a, b], (took, cost)| [a + took, b + cost]);
-            // A busy machine is slower; stored runs are faster.
-            let pace = if took > cost && cost > 0.0 {
-                took / cost
-            } else {
-                1.0
-            };
-            let left = lanes.iter().map(|lane| lane.left_s(pace));
-            let left = left.collect::<Option<Vec<f64>>>();
+            let done = all.iter().filter(|one| one.ended_s.is_some()).count();
             (self.control.progress)(Progress {
-                // Longest remaining time, or the total over the number of lanes if larger.
-                left_s: left.map(|left| {
-                    let longest = left.iter().copied().fold(0.0, f64::max);
-                    longest.max(left.iter().sum::<f64>() / self.jobs as f64)
-                }),
-                ..Progress::new(done.count() + 1, lanes.len() + 1, &runs.join(", "))
+                left_s: outlook::left_s(&all, self.jobs, now_s),
+                ..Progress::new(done + 1, lanes.len() + 1, &runs.join(", "))
             });
         }
         changed

@@ -6,11 +6,13 @@ mod context;
 pub mod foreign;
 mod inputs;
 mod lanes;
+pub(crate) mod outlook;
 pub(crate) mod refine;
 mod twins;
 
 use std::path::Path;
-use std::time::Duration;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::limits::Friction;
@@ -393,16 +395,40 @@ fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     })
 }
 
+/// Function of the CPU time of a run, see [`take_part`].
+type After<'a> = dyn Fn(f64) -> f64 + Sync + 'a;
+/// Share of a run from which on it indicates its duration: error control takes short steps through the start-up.
+const SEEN: f64 = 0.15;
+
 /// Runs one engine, within `most` if stated, and returns it as a participant with any ending, and the coarser runs of its own
-/// verification.
+/// verification. `after`: cost of the runs that follow over that of this one, if this one takes so much CPU time, s; for the
+/// remaining time.
 fn take_part(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     most: Option<Duration>,
+    after: &After<'_>,
     at: Progress<'_>,
     control: &Control<'_>,
 ) -> Result<(Participant, Option<Ladder>), StudyError> {
-    let control = control.piece(at);
+    // Time counts from the first sample, which the start of a program may precede.
+    let first = OnceLock::new();
+    let tell = |at: Progress<'_>| {
+        let left_s = at.simulated_s.and_then(|[reached, of]| {
+            let (begun, from) = first.get_or_init(|| (Instant::now(), reached));
+            let share = (reached - from) / of;
+            let took_s = begun.elapsed().as_secs_f64() / share;
+            let cpu_s = at
+                .cpu
+                .map_or(took_s, |cpu| cpu.as_secs_f64() * of / reached);
+            (share > SEEN).then(|| took_s * (1.0 - reached / of + after(cpu_s)))
+        });
+        (control.progress)(Progress {
+            left_s: left_s.or(at.left_s),
+            ..at
+        });
+    };
+    let control = control.piece(at).limited(control.cancel, &tell);
     let live = || {
         let run = match most {
             Some(most) => TimeLimit {
@@ -421,7 +447,7 @@ fn take_part(
     if let Status::Absent { reason } | Status::Failed { reason } = &run.ending
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)
     {
-        return take_part(recorded.as_ref(), gearbox, most, at, &control);
+        return take_part(recorded.as_ref(), gearbox, most, after, at, &control);
     }
     let info = engine.info();
     let participant = Participant {

@@ -20,7 +20,7 @@ use pinwheel_gearbox::{Gearbox, unfollowed};
 use pinwheel_mbs::integrators::{Family, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
 
-use super::take_part;
+use super::{After, take_part};
 use crate::StudyError;
 use crate::control::{Control, Progress, WITHIN};
 
@@ -83,6 +83,8 @@ impl Effort {
 
 /// Time always permitted for one run, however small the limit.
 const LEAST: Duration = Duration::from_millis(500);
+/// Cost of a coarser run over that of the finest, about.
+const COARSER: f64 = 0.5;
 /// Share of the resolution for one engine's uncertainty, which leaves room for the other's.
 const TARGET: f64 = 0.45;
 /// Largest factor of one refinement.
@@ -244,6 +246,7 @@ impl<'a> Refiner<'a> {
         &self,
         value: f64,
         most: Option<Duration>,
+        after: &After<'_>,
         at: Progress<'_>,
         control: &Control<'_>,
     ) -> Result<Participant, StudyError> {
@@ -252,7 +255,7 @@ impl<'a> Refiner<'a> {
             AccuracySetting::Tolerance => solver.tolerance = value.min(1e-2),
         });
         let gearbox = set.unwrap_or_else(|_| self.gearbox.clone());
-        Ok(take_part(self.engine, &gearbox, most, at, control)?.0)
+        Ok(take_part(self.engine, &gearbox, most, after, at, control)?.0)
     }
 
     /// Returns the CPU time of the refinement study besides its coarsest run, s; that run had this setting and took `cpu_s`.
@@ -335,7 +338,7 @@ pub fn refine(
     let has_friction = gearbox.has_friction();
     let target = TARGET * effort.resolution;
     let Some(mut refiner) = candidates.next() else {
-        let (ran, ladder) = take_part(engine, gearbox, most, at, control)?;
+        let (ran, ladder) = take_part(engine, gearbox, most, &|_| 0.0, at, control)?;
         let evidence = match ladder {
             Some(ladder) => {
                 let evidence = Evidence::refinement(name, ladder);
@@ -351,22 +354,12 @@ pub fn refine(
     if free {
         refiner.leave_room();
     }
-    let (spent, waited) = (Cell::new(0.0), Cell::new(0.0));
-    let run = |refiner: &Refiner<'_>, value: f64| {
-        let ran = refiner.run(value, most, at, control)?;
+    let spent = Cell::new(0.0);
+    // `after` as in [`take_part`].
+    let run = |refiner: &Refiner<'_>, value: f64, after: &After<'_>| {
+        let ran = refiner.run(value, most, after, at, control)?;
         spent.set(spent.get() + cpu_s(&ran));
-        waited.set(waited.get() + ran.cost.wall_s);
         Ok::<_, StudyError>(ran)
-    };
-    // Remaining runs take `left_s`, the finest of them `finest_s`; known if no further refinement fits the time.
-    let tell = |refiner: &Refiner<'_>, left_s: f64, finest_s: f64| {
-        let finer = finest_s * refiner.dearer(refiner.least());
-        let known = !free || spent.get() + left_s + finer > longest;
-        (control.progress)(Progress {
-            // A busy machine needs more.
-            left_s: known.then_some(left_s * (waited.get() / spent.get()).max(1.0)),
-            ..at
-        });
     };
     // A foreign engine runs its coarsest level first, to predict whether the others fit the time.
     let mut coarsest = None;
@@ -374,7 +367,12 @@ pub fn refine(
         && free
         && let Some(&value) = refiner.coarser(refiner.value).last()
     {
-        let ran = run(&refiner, value)?;
+        // It becomes the finest level of a study that does not fit.
+        let after = |cpu_s: f64| match refiner.rest(value, cpu_s) {
+            rest if cpu_s + rest <= longest => rest / cpu_s,
+            _ => 1.0,
+        };
+        let ran = run(&refiner, value, &after)?;
         if ran.status.is_finished() && ran.cost.recorded.is_none() {
             coarsest = Some((value, ran));
         } else {
@@ -387,11 +385,9 @@ pub fn refine(
         // It becomes the finest level of a study that fits.
         Some(coarsest) => coarsest,
         None => {
-            if let Some((value, ran)) = &coarsest {
-                let finest_s = cpu_s(ran) * refiner.dearer(value / refiner.value);
-                tell(&refiner, refiner.rest(*value, cpu_s(ran)), finest_s);
-            }
-            (refiner.value, run(&refiner, refiner.value)?)
+            let coarser = refiner.coarser(refiner.value).len();
+            let after = COARSER * coarser.saturating_sub(coarsest.iter().len()) as f64;
+            (refiner.value, run(&refiner, refiner.value, &|_| after)?)
         }
     };
     let diverged = |run: &Participant| matches!(run.status, Status::Diverged { .. });
@@ -399,13 +395,13 @@ pub fn refine(
         && let Some(next) = candidates.next()
     {
         refiner = next;
-        (value, finest) = (refiner.value, run(&refiner, refiner.value)?);
+        (value, finest) = (refiner.value, run(&refiner, refiner.value, &|_| 0.0)?);
     }
     // A derived setting may be too coarse to finish.
     for _ in 0..3 {
         if diverged(&finest) && free && spent.get() <= longest {
             value /= 4.0;
-            finest = run(&refiner, value)?;
+            finest = run(&refiner, value, &|_| 0.0)?;
         }
     }
     if !finest.status.is_finished() || finest.cost.recorded.is_some() {
@@ -413,16 +409,10 @@ pub fn refine(
         return Ok((finest, evidence));
     }
     let mut ladder = refiner.ladder(value);
-    let (coarser, took) = (refiner.coarser(value), cpu_s(&finest));
-    let open = coarser
-        .iter()
-        .filter(|value| coarsest.as_ref().is_none_or(|run| run.0 != **value));
-    let left_s = open.map(|coarser| took * refiner.dearer(value / coarser));
-    tell(&refiner, left_s.sum(), took);
-    for value in coarser {
+    for value in refiner.coarser(value) {
         let ran = match coarsest.take_if(|run| run.0 == value) {
             Some((_, ran)) => ran,
-            None => run(&refiner, value)?,
+            None => run(&refiner, value, &|_| 0.0)?,
         };
         ladder.coarser.push(level(value, ran));
     }
@@ -449,8 +439,7 @@ pub fn refine(
         let (factor, next) = refiner.next(needed, took, longest - spent.get());
         let mut finer = None;
         if spent.get() + next <= longest && value / factor >= FINEST {
-            tell(&refiner, next, next);
-            let ran = run(&refiner, value / factor)?;
+            let ran = run(&refiner, value / factor, &|_| 0.0)?;
             finer = ran.status.is_finished().then_some(ran);
         }
         let Some(finer) = finer else {

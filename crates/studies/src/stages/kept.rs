@@ -50,7 +50,7 @@ pub(crate) fn of_kept(
     let found = cause(gearbox, [kept.written, &base], SURE, Suspect::moves, values);
     let cause = found.map(|(cause, _)| cause);
     let columns = states::Columns::of(gearbox, native.free()).patterns();
-    let note = format!("states were not kept: {} would tell", columns.join(", "));
+    let note = format!("states were not stored; needs {}", columns.join(", "));
     let stage = |stage| match &cause {
         Some(cause) if cause.stage() == Some(stage) => {
             Judged::told(stage, off, kept.bound, "over the whole run".to_owned())

@@ -53,8 +53,8 @@ impl Located {
             let mut blind = self.stages.iter();
             let blind = blind.find(|judged| judged.residual.is_none());
             return blind.map_or_else(
-                || "no stage is off: what differs is the error of its step".to_owned(),
-                |judged| format!("no stage is off of those that can be told: {}", judged.note),
+                || "no stage differs beyond the error of its step".to_owned(),
+                |judged| format!("no stage that can be checked differs: {}", judged.note),
             );
         };
         match &self.cause {
@@ -138,10 +138,10 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             located.pictures.push(picture);
             judged
         }
-        None => Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
+        None => Judged::untold(Stage::Start, "needs a sample at t = 0"),
     };
     if !missing.is_empty() {
-        let note = format!("these columns would tell: {}", missing.join(", "));
+        let note = format!("needs these columns: {}", missing.join(", "));
         let blind = |stage| Judged::untold(stage, &note);
         located.stages = Stage::ALL.map(blind).into();
         located.stages[0] = start;
@@ -193,7 +193,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     if off(&located, &hides) || !is_loaded {
         let note = match is_loaded {
             true => "hidden by an earlier stage",
-            false => "a load would tell: the motion is measured by what it does",
+            false => "needs a load, by whose work the motion is measured",
         };
         let stages = [Stage::Equations, Stage::Integration];
         let untold = stages.map(|stage| Judged::untold(stage, note));

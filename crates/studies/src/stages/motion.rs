@@ -235,7 +235,7 @@ impl Motion {
     pub(super) fn judged(&self, rough: Option<(&Self, f64)>) -> [Judged; 2] {
         let size = self.size();
         let Some((rough, falls)) = rough else {
-            let note = "a run with a smaller step would tell: state [refine]";
+            let note = "needs a run with a smaller step: state [refine]";
             return [Stage::Equations, Stage::Integration].map(|stage| Judged::untold(stage, note));
         };
         let fell = rough.share() / self.share();

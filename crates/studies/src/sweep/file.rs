@@ -322,7 +322,7 @@ fn distinct(document: &Document<'_>, line: usize, axis: Axis) -> Result<Axis, Fi
         return Ok(axis);
     };
     let what = match axis.keys.as_slice() {
-        [(key, values)] => format!("`{key}`: {} stands in the list twice", values[point]),
+        [(key, values)] => format!("`{key}`: {} is listed twice", values[point]),
         _ => format!("[[together]]: point {} is one before it again", point + 1),
     };
     Err(document.fault(line, what, "give each point once"))

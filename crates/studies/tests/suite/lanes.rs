@@ -167,34 +167,21 @@ fn a_stop_ends_all() {
     assert!(said.iter().any(|piece| piece == "a, b, d"), "{said:?}");
 }
 
-/// Time left is told where it is known of every engine, and then it is right.
+/// Every engine's progress reaches the reader, and the time left with it; the test `outlook` measures how right it is.
 #[test]
-fn time_left_is_told_where_it_is_known() {
-    let (mut engines, _) = peers(500);
+fn time_left_is_told_while_engines_run() {
+    let (mut engines, _) = peers(300);
     engines.truncate(2);
     let told = Mutex::new(Vec::new());
     let progress = |at: Progress<'_>| {
-        let now = (Instant::now(), at.piece.to_owned(), at.left_s);
+        let now = (at.piece.to_owned(), at.left_s);
         told.lock().unwrap().push(now);
     };
     let stop = AtomicBool::new(false);
     compared(&engines, 1, &Control::new(&stop, &progress)).unwrap();
     let told = told.into_inner().unwrap();
-    let of = |piece| told.iter().filter(move |told| told.1 == piece);
-    let end = told.iter().find(|told| told.1 == "differences").unwrap().0;
-    // Nothing is known of the second while it has not begun.
-    assert!(of("a").count() > 2 && of("a").all(|told| told.2.is_none()));
-    let late = of("b").filter(|told| (end - told.0).as_millis() < 330);
-    let late: Vec<_> = late
-        .map(|told| (told.2, (end - told.0).as_secs_f64()))
-        .collect();
-    assert!(late.len() > 1, "{late:?}");
-    for (left, is) in late {
-        let left = left.unwrap();
-        // A tenth of a second for the run itself.
-        assert!(
-            left < 1.5 * is && is - 0.1 < 1.5 * left,
-            "{left} s told, {is} s it is"
-        );
-    }
+    // While the second has not begun, too little is known.
+    let left =
+        |told: &(String, Option<f64>)| told.0 == "b" && told.1.is_some_and(|left| left > 0.0);
+    assert!(told.iter().any(left), "{told:?}");
 }

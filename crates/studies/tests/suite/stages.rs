@@ -886,7 +886,7 @@ fn asks_for_columns() {
         .with_channels(vec!["wheel_angle_rad_*".to_owned()])
         .unwrap();
     let all = "wheel_angle_rad_*, output_rate_rad_s, wheel_rate_rad_s_*";
-    let rates = "these columns would tell: output_rate_rad_s, wheel_rate_rad_s_*";
+    let rates = "needs these columns: output_rate_rad_s, wheel_rate_rad_s_*";
     // Forces of all ring pins, those with a gap too.
     for (asked, gap, told, missing) in [
         (&gearbox, false, 1, all),

@@ -76,10 +76,7 @@ fn faults_name_line_and_remedy() {
             "[[together]]\na = [1, 2]\nb = [1]",
             "line 3: `b` has 1 values, `a` has 2",
         ),
-        (
-            "[vary]\na = [1, 1]",
-            "line 2: `a`: 1 stands in the list twice",
-        ),
+        ("[vary]\na = [1, 1]", "line 2: `a`: 1 is listed twice"),
         (
             "[[together]]\na = [1, 1, 1]\nb = [1, 2, 1]",
             "line 3: [[together]]: point 3 is one before it again",

@@ -195,7 +195,7 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
     }
     if !bad.is_empty() && map.rows.bad == BadRows::Refuse {
         return Err(ForeignError(format!(
-            "{} of {rows} rows are bad: {}; mend them, or write bad = \"skip\" under [rows] of the map to leave them out",
+            "{} of {rows} rows are bad: {}; correct them, or write bad = \"skip\" under [rows] of the map to leave them out",
             bad.len(),
             first_of(&bad, 5, "; ")
         )));

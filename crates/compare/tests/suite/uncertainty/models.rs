@@ -254,7 +254,7 @@ fn undefined_efficiencies_have_a_reason() {
         input_speed_rad_s: Some(0.0),
         ..context()
     };
-    assert_eq!(of(&still), (None, "the driver stands still".to_owned()));
+    assert_eq!(of(&still), (None, "the driver does not turn".to_owned()));
     let back = Context {
         input_speed_rad_s: Some(-52.34),
         ..context()
@@ -294,5 +294,5 @@ fn undefined_efficiencies_have_a_reason() {
     );
     assert_eq!(with(5e-4).efficiency, Some(1.0), "never above");
     let (none, why) = of(&context());
-    assert!(none.is_none() && why.contains("nothing rubs"), "{why}");
+    assert!(none.is_none() && why.contains("no friction"), "{why}");
 }

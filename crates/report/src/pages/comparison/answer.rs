@@ -262,7 +262,7 @@ impl<'a> Answer<'a> {
             return fact(Mark::Bad, format!("they differ: {worst}"));
         }
         let Some(worst) = self.worst(Judged::Agree, SHARES) else {
-            let text = "nothing agrees yet: no two engines with the scene's law were compared";
+            let text = "no agreement yet: no two engines with the scene's law were compared";
             return fact(Mark::Warn, text.to_owned());
         };
         let (mark, agree) = match self.agreeing() {
@@ -377,9 +377,9 @@ impl<'a> Answer<'a> {
             }
             Some(_) => ": its own contacts do not explain it".to_owned(),
             None if most.verdict == Some(Judged::Inconclusive) => {
-                ": nothing explains it, and it is not resolved".to_owned()
+                ": unexplained and not resolved".to_owned()
             }
-            None => ": nothing explains it".to_owned(),
+            None => ": unexplained".to_owned(),
         };
         let mark = match most.is_explained() || most.share() < SEEN {
             true => Mark::None,
@@ -535,7 +535,7 @@ impl<'a> Answer<'a> {
         if let Some(most) = unexplained {
             next.push(match most.twin {
                 _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
-                    "find what the model leaves out of `{}`, or what is wrong with it: it is off by more than it may be",
+                    "find what the model leaves out of `{}`, or what is wrong with it: it differs by more than its tolerance",
                     most.engine
                 ),
                 _ if most.measured => format!(
@@ -547,7 +547,7 @@ impl<'a> Answer<'a> {
                     most.engine
                 ),
                 None if stages::names(self.found, most.engine) => {
-                    format!("mend that stage of `{}`; Stages on the page shows where", most.engine)
+                    format!("correct that stage of `{}`; Stages on the page shows where", most.engine)
                 }
                 None => format!("refine `{}` or leave it out: --engines", most.engine),
             });

@@ -197,7 +197,7 @@ impl<'a> Page<'a> {
             .done()
             .without_empty();
         let about = "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is \
-                     what nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.";
+                     unaccounted energy: an integrator's error, or a contact law that creates energy because it has no potential.";
         let section = Section::new("energy", "Energy");
         (!table.is_empty()).then(|| section.with(about).with(table).folded(""))
     }

@@ -32,9 +32,9 @@ pub fn answer(limits: &Limits) -> (String, String) {
     };
     let by = significant(margin, 2);
     let said = match limits.bears_its_load {
-        Answer::Yes => format!("yes, by {by}"),
+        Answer::Yes => format!("yes, margin {by}"),
         Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
-        _ => format!("by {by}, as far as judged"),
+        _ => format!("margin {by}, as far as judged"),
     };
     let allowed = with_unit(limit, limit.permissible);
     (

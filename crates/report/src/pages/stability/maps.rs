@@ -181,10 +181,10 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
         section(
             "energy",
             "Energy",
-            "What nothing accounts for, as a share of the larger of the two works. The paper's law creates about 1 % itself, \
+            "Unaccounted energy as a share of the larger of the two works. The paper's law creates about 1 % itself, \
              because its stiffness varies along the profile; with Hertzian stiffness of real steel less."
                 .to_owned(),
-            map(atlas, "Energy that nothing accounts for", energy),
+            map(atlas, "Unaccounted energy", energy),
         ),
     ]
 }

@@ -1,6 +1,6 @@
 //! Page of a sweep: figures over the varied keys, and every run in a table.
 
-use crate::format::{count, joined, plain, readable_unit, relative, seconds, significant};
+use crate::format::{count, counted, joined, plain, readable_unit, relative, seconds, significant};
 use crate::study::{
     Block, Decision, Grid, GridAxis, GridFigure, Mark, Question, Section, Study, Tile, Tone,
     Verdict,
@@ -31,7 +31,12 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
     let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
     let varied: Vec<String> = varied.collect();
-    let (runs_done, over) = (records.len(), varied.join(" x "));
+    let sampled = sweep::tolerances(plan, table);
+    let over = match sampled.is_empty() {
+        true => varied.join(" x "),
+        false => format!("samples of {}", varied.join(", ")),
+    };
+    let runs_done = records.len();
     let mut lead = match sweep.description.as_str() {
         "" => format!("{runs_done} runs of the scene {} over {over}.", sweep.scene),
         description => description.to_owned(),
@@ -44,7 +49,6 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         );
     }
     let mut sections = Vec::new();
-    let sampled = sweep::tolerances(plan, table);
     if !sampled.is_empty() {
         sections.push(tolerances::section(plan, table, &sampled));
     }
@@ -74,20 +78,26 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         headline: format!("{unfinished} of {runs_done} runs did not finish"),
         detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
     });
-    let simulated = seconds(simulated_s(plan));
+    let simulated_s = simulated_s(plan);
+    let simulated = Tile::new("Simulated", seconds(simulated_s), "all runs together");
     let cpu = seconds(records.iter().map(|record| record.cpu_s).sum());
     let study = Study {
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
         lead,
-        verdict: lost.or_else(|| tolerances::verdict(&sampled)).or(answer),
+        verdict: lost
+            .or_else(|| tolerances::verdict(&sampled))
+            .or_else(|| tolerances::spread(plan, &sampled))
+            .or(answer),
         decision,
         tiles: vec![
             Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
             Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
-            Tile::new("Simulated", simulated, "all runs together"),
             Tile::new("Processor time", cpu, "the engines', all runs together"),
-        ],
+        ]
+        .into_iter()
+        .chain((simulated_s > 0.0).then_some(simulated))
+        .collect(),
         sections,
         versions: versions.collect(),
         ..Study::default()
@@ -98,9 +108,10 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
 fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Decision {
     let sweep = &plan.sweep;
     let engines = sweep.engines.len();
-    let said = count(engines as u64) + if engines == 1 { " engine" } else { " engines" };
+    let said = counted(engines, "engine", "engines");
     let right = Question::Right.answered(Mark::warn(engines == 1), said, sweep.engines.join(", "));
     let bears = tolerances::bears(sampled);
+    let sampled = tolerances::sure(plan, sampled);
     let sure = first.map(|figure| {
         let known = figure.values.iter().zip(&figure.uncertainty);
         let shares = known.filter_map(|(value, off)| Some(off.as_ref()? / value.as_ref()?.abs()));
@@ -120,7 +131,7 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
         command,
         "whether other engines agree on the scene",
     );
-    [Some(right), bears, sure, Some(next)]
+    [Some(right), bears, sampled.or(sure), Some(next)]
 }
 
 /// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.

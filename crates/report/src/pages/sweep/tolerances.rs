@@ -1,6 +1,6 @@
 //! Results of a sample, for the page and a terminal.
 
-use crate::format::{joined, significant};
+use crate::format::{joined, relative, significant};
 use crate::study::{Axis, Block, Chart, Mark, Question, Section, Series, Tile, Tone, Verdict};
 use crate::table::named;
 use pinwheel_studies::sweep::{
@@ -120,6 +120,18 @@ pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
     })
 }
 
+/// Returns the distribution of the first figure of a sample, with the decisive keys.
+pub(super) fn spread(plan: &Plan, found: &[SampleResult]) -> Option<Verdict> {
+    let figure = *shown(plan, found.first()?).first()?;
+    let words = in_words(figure);
+    let (headline, keys) = words.split_once("; ").unwrap_or((&words, "no single key"));
+    Some(Verdict {
+        tone: Tone::Neutral,
+        headline: format!("{}: {headline}", in_full(&figure.def)),
+        detail: format!("Decisive: {keys}; over {} runs.", figure.count),
+    })
+}
+
 /// Tile of the yield of the worst sample.
 pub(super) fn bears(found: &[SampleResult]) -> Option<Tile> {
     let verdict = verdict(found)?;
@@ -128,6 +140,20 @@ pub(super) fn bears(found: &[SampleResult]) -> Option<Tile> {
         _ => Mark::Warn,
     };
     Some(Question::Bears.answered(mark, verdict.headline, "gears that keep the specification"))
+}
+
+/// Tile of the confidence in the median of the first figure of a sample.
+pub(super) fn sure(plan: &Plan, found: &[SampleResult]) -> Option<Tile> {
+    let figure = *shown(plan, found.first()?).first()?;
+    let median = between(figure)[1]?;
+    let off = |end: Option<f64>| Some((end? / median.value - 1.0).abs());
+    let [below, above] = median.interval.map(off);
+    let said = format!("to {}", relative(below?.max(above?)));
+    let why = format!(
+        "median of {} over {} runs, with 95 % confidence",
+        figure.def.label, figure.count
+    );
+    Some(Question::Sure.answered(Mark::None, said, why))
 }
 
 /// The section of a sample.
