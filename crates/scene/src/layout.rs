@@ -59,6 +59,7 @@ impl Layout {
 
     /// Returns the body index of a pin.
     #[must_use]
+    #[inline]
     pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
         match sleeve {
             Sleeve::External(j) => self.external_bodies().start + j,
