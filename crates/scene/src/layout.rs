@@ -33,12 +33,14 @@ impl Layout {
 
     /// Indices of the discs.
     #[must_use]
+    #[inline]
     pub fn wheel_bodies(&self) -> Range<usize> {
         2..2 + self.wheels
     }
 
     /// Indices of the ring pins.
     #[must_use]
+    #[inline]
     pub fn external_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels;
         from..from + self.external_sleeves
@@ -46,6 +48,7 @@ impl Layout {
 
     /// Indices of the output pins.
     #[must_use]
+    #[inline]
     pub fn internal_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels + self.external_sleeves;
         from..from + self.internal_sleeves
@@ -59,7 +62,6 @@ impl Layout {
 
     /// Returns the body index of a pin.
     #[must_use]
-    #[inline]
     pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
         match sleeve {
             Sleeve::External(j) => self.external_bodies().start + j,
