@@ -143,22 +143,15 @@ fn hold(preset: &str, scene: &CheckedScene, runs: &[Ran]) -> Vec<usize> {
     judged
 }
 
-/// Duration with one turn of the input in the steady window.
-const DURATION: &str = "solver.duration_s=0.42";
-
 fn holds(preset: &str, engines: &[&str], set: &[&str]) -> Vec<Ran> {
-    let load = |set: &[&str]| {
-        let set = [set, &[DURATION]].concat();
-        let set: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
-        Scene::load(preset, &set).unwrap()
-    };
-    let scene = load(set);
+    let set: Vec<_> = set.iter().map(|&text| text.parse().unwrap()).collect();
+    let scene = Scene::load(preset, &set).unwrap();
     let mut runs: Vec<Ran> = ["native-resolved"]
         .iter()
         .chain(engines)
         .map(|name| ran(by_name(name, &scene).unwrap().as_ref(), &scene))
         .collect();
-    let recorded_scene = load(&[]);
+    let recorded_scene = Scene::load(preset, &[]).unwrap();
     for (_, engine) in recorded::list().filter(|&(name, _)| name == preset) {
         let recording = recorded::instead(engine, &recorded_scene, "of this test").unwrap();
         runs.push(ran(recording.as_ref(), &recorded_scene));
