@@ -23,7 +23,7 @@ def main() -> int:
     for library in ("law", "fmu"):
         if place := beside(library):
             os.environ[f"PINWHEEL_{library.upper()}"] = place
-    return _core.program(["pinwheel", *sys.argv[1:]])
+    return _core.program(["pinwheel", *sys.argv[1:]], sys.executable)
 
 
 if __name__ == "__main__":

@@ -119,9 +119,9 @@ def test_reachable_segments_cover_the_contact(turn):
     middles = 0.5 * (segments.starts + segments.ends)
     law, kinematics = ContactLaw(scene), Kinematics(gear)
     layout, touched = kinematics.layout, 0
-    for begin in np.linspace(0.0, 0.12, 7):
+    for begin in np.linspace(0.0, 0.12, 5):
         span = (begin, begin + 0.0075)
-        for time_s in np.linspace(*span, 5):
+        for time_s in np.linspace(*span, 3):
             angles, rates = kinematics.ideal(scene, time_s)
             # A tenth of what ends a run presses pins in as deep as their radius.
             angles[layout.wheel_bodies] += 0.1 * turn * exudyn_own.leeway_rad(scene)
@@ -137,7 +137,7 @@ def test_reachable_segments_cover_the_contact(turn):
                 assert np.mean(near) < 0.1
                 assert near[np.argmin(np.abs(middles - (point - complex(x, y)) * np.exp(-1j * angle)))]
                 touched += 1
-    assert turn == 0.0 or touched > 300
+    assert turn == 0.0 or touched > 128
 
 
 @pytest.mark.parametrize("engine", OWN)

@@ -78,11 +78,11 @@ def test_constrained_form_solves_friction():
 
 @pytest.mark.parametrize("engine", SHARED)
 def test_ramped_load_and_uneven_end(engine):
-    text = "[drive]\nload_ramp_s = 0.0006\n"
-    result = run(scenes.scene(text, 9.5e-4), engine, step_s=2e-5)
-    wanted = scenes.wanted(text, 9.5e-4, 2e-5)
+    text = "[drive]\nload_ramp_s = 0.0002\n"
+    result = run(scenes.scene(text, 3.5e-4), engine, step_s=2e-5)
+    wanted = scenes.wanted(text, 3.5e-4, 2e-5)
     assert result.columns["time_s"].tolist() == wanted["time_s"].tolist()
-    assert result.columns["time_s"][-1] == 9.5e-4
+    assert result.columns["time_s"][-1] == 3.5e-4
     limit = 1e-8 if engine in EXPLICIT else 5e-2
     assert scenes.worst_rms(result.columns, wanted) < limit
 
@@ -128,18 +128,16 @@ def test_given_initial_states(engine):
     assert columns["internal_sleeve_force_n_0"].max() > 0.0 or columns["internal_sleeve_force_n_2"].max() > 0.0
 
 
-@pytest.mark.parametrize("engine", SHARED)
-def test_runs_repeat_to_the_bit_and_engines_alternate(engine):
+def test_runs_repeat_to_the_bit_and_engines_alternate():
     scene = scenes.scene("", 2e-4)
-    first = run(scene, engine)
-    run(scene, SHARED[(SHARED.index(engine) + 1) % 3])
-    second = run(scene, engine)
-    assert all(np.array_equal(first.columns[n], second.columns[n]) for n in first.columns)
+    firsts, seconds = ([run(scene, engine).columns for engine in SHARED] for _ in range(2))
+    for first, second in zip(firsts, seconds, strict=True):
+        assert all(np.array_equal(first[n], second[n]) for n in first)
 
 
 @pytest.mark.parametrize("engine", SHARED)
 def test_compiled_law_gives_the_numpy_laws_bits(engine):
-    scene = scenes.scene("", 3e-4)
+    scene = scenes.scene("", 2e-4)
     plain = scenes.PlainLaw(scene)
     a, b = run(scene, engine, law=plain.pointer), run(scene, engine)
     assert all(np.array_equal(a.columns[n], b.columns[n]) for n in a.columns)
@@ -147,12 +145,12 @@ def test_compiled_law_gives_the_numpy_laws_bits(engine):
 
 
 def test_direct_callback_over_the_layout():
-    scene = scenes.scene(scenes.ELEVEN, 3e-4)
+    scene = scenes.scene(scenes.ELEVEN, 1e-4)
     plain = scenes.PlainLaw(scene, direct=True)
     a, b = run(scene, "mujoco-shared-law", law=plain.pointer), run(scene, "mujoco-shared-law")
     assert scenes.worst_rms(a.columns, b.columns) < 1e-12
     assert plain.detached == 1
-    assert a.stats.rhs_calls == b.stats.rhs_calls == 120
+    assert a.stats.rhs_calls == b.stats.rhs_calls == 40
 
 
 def test_mujocos_jacobian_agrees_with_the_borders():

@@ -23,16 +23,10 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// through the play, to half of it in the other direction within 20. RMS of the joint's output angle less the gear's, over
 /// the RMS of the gear's twist, before and after the reversal begins. Measured 3.4 and 8.1 %, 2.9 and 21 %, 1.4 and 25 %,
 /// 3.1 and 5.4 %, times 1.5: in the play the joint's damper acts, and contacts do not.
-#[test]
-fn crossval_joint_follows_the_gear() {
+fn follows(gears: &[(&str, [f64; 2])]) {
     let environment =
         environment(ENGINES, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
-    for (preset, limits) in [
-        ("paper", [0.05, 0.12]),
-        ("steel", [0.044, 0.32]),
-        ("backlash-0.6", [0.021, 0.37]),
-        ("paper-friction", [0.047, 0.081]),
-    ] {
+    for &(preset, limits) in gears {
         let rated = scene(preset, &[]);
         let period = std::f64::consts::TAU / Scales::of(&rated).modes_rad_s[0];
         let load = rated.drive.output_torque_n_m;
@@ -100,4 +94,18 @@ fn crossval_joint_follows_the_gear() {
             assert_within(preset, apart / twist, limit);
         }
     }
+}
+
+#[test]
+fn crossval_joint_follows_the_gear() {
+    follows(&[
+        ("backlash-0.6", [0.021, 0.37]),
+        ("paper-friction", [0.047, 0.081]),
+    ]);
+}
+
+#[test]
+#[ignore = "weekly: 3 s for two gears more"]
+fn crossval_joint_follows_other_gears() {
+    follows(&[("paper", [0.05, 0.12]), ("steel", [0.044, 0.32])]);
 }

@@ -50,12 +50,12 @@ fn gear(text: &str, samples: f64, start: Start) -> Scene {
     scene
 }
 
-/// The start-up over 150 samples, some ten periods of the fastest mode. Measured 1.9e-5 and 1.7e-5 for Runge-Kutta 4 of both
+/// The start-up over 100 samples, some seven periods of the fastest mode. Measured 1.9e-5 and 1.7e-5 for Runge-Kutta 4 of both
 /// peers, 1.4e-2 and 4.8e-3 for the trapezoidal rule.
 #[test]
 fn crossval_python_own_gear_shared_law() {
     for (text, explicit, constrained) in [(FORTY, 6e-5, 4e-2), (TINY, 6e-5, 1.5e-2)] {
-        let scene = gear(text, 150.0, Start::Kinematic);
+        let scene = gear(text, 100.0, Start::Kinematic);
         let reference = native(&scene, "rk4", scene.solver.step_s / 5.0);
         for (engine, limit) in [
             (MUJOCO, explicit),

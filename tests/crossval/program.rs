@@ -156,7 +156,8 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
         |name: &str| std::fs::read_to_string(dir.path().join(name).join("index.html")).unwrap();
     let outcome = run(
         None,
-        "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact,simbody-shared-law,ida-shared-law --out out",
+        "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact,simbody-shared-law,ida-shared-law \
+         --set solver.duration_s=0.06 --out out",
     );
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("recorded"), "{}", outcome.stdout);

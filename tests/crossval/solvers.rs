@@ -4,11 +4,13 @@
 
 use std::fs;
 
+use pinwheel_engines::recorded::{self, RECORDED_SCENES};
 use pinwheel_engines::{Ending, by_name};
 use pinwheel_scene::Scene;
 use pinwheel_tests::runs::{self, attempt, run, scene};
 use pinwheel_tests::{Outcome, names_in, pinwheel};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::rows_at;
 
 const SIMBODY: &str = "simbody-shared-law";
 const IDA: &str = "ida-shared-law";
@@ -30,8 +32,54 @@ fn simbody() -> bool {
     }
 }
 
+/// Checks that a live run follows its recording, if the scene has one of this version. Measured 4.9e-7; another processor's
+/// rounding makes the step control take other steps, and then both have errors of their own, of which IDA's on steel is the
+/// largest: 3.7e-4, times 2.7.
+fn follows_its_recording(engine: &str, scene: &Scene, live: &TimeSeries) -> bool {
+    let mut all = recorded::list()
+        .filter(|&(_, recorded)| recorded == engine)
+        .filter_map(|(preset, _)| recorded::find(preset, engine)?.ok());
+    let Some(recording) = all.find(|recording| recording.is_of(scene)) else {
+        return false;
+    };
+    let found = by_name(engine, scene).unwrap().version();
+    if found != recording.version {
+        println!(
+            "skipped: recorded with {}, here is {found}",
+            recording.version
+        );
+        return true;
+    }
+    let recorded = recording.at_samples_of(scene);
+    let rows = rows_at(recorded.time_s(), live.time_s());
+    let live = live.select(&rows.map(Option::unwrap).collect::<Vec<_>>());
+    for quantities in [&FORCES[..], &TORQUE] {
+        let error = runs::relative(&live, &recorded, quantities, (0.0, f64::INFINITY));
+        println!("{} {engine} from its recording: {error:.1e}", scene.name);
+        assert!(error < 1e-3, "{} {engine}: {error:e}", scene.name);
+    }
+    true
+}
+
+/// Returns the errors of forces and driver torque against the resolved native run, of a scene that is recorded.
+fn recorded_errors(engine: &str, scene: &Scene, reference: &TimeSeries) -> [f64; 2] {
+    let (errors, is_recorded) = judged(engine, scene, (0.0, f64::INFINITY), reference);
+    assert!(is_recorded, "{} {engine}", scene.name);
+    errors
+}
+
 /// Returns the errors of forces and driver torque against the resolved native run.
 fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &TimeSeries) -> [f64; 2] {
+    judged(engine, scene, window, reference).0
+}
+
+/// Returns the errors of forces and driver torque against the resolved native run, and true if the scene is recorded.
+fn judged(
+    engine: &str,
+    scene: &Scene,
+    window: (f64, f64),
+    reference: &TimeSeries,
+) -> ([f64; 2], bool) {
     let run = runs::whole(engine, scene);
     let error =
         |quantities: &[&str]| runs::relative(&run.time_series, reference, quantities, window);
@@ -49,7 +97,8 @@ fn errors(engine: &str, scene: &Scene, window: (f64, f64), reference: &TimeSerie
         stats.rhs_calls,
         stats.settings
     );
-    errors
+    let is_recorded = follows_its_recording(engine, scene, &run.time_series);
+    (errors, is_recorded)
 }
 
 fn assert_within(errors: [f64; 2], limits: [f64; 2]) {
@@ -60,24 +109,23 @@ fn assert_within(errors: [f64; 2], limits: [f64; 2]) {
 
 /// Checks start-up and steady state, also with a tenth of the tolerance.
 fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
-    let start = scene("paper", &[("solver.duration_s", "0.05")]);
+    let start = scene("paper", &[("solver.duration_s", "0.02")]);
     let resolved = run("native-resolved", &start);
-    let window = (0.0, 0.05);
-    let coarse = errors(engine, &start, window, &resolved);
+    let coarse = recorded_errors(engine, &start, &resolved);
     assert_within(coarse, transient);
     let mut finer = start.clone();
     finer.solver.tolerance *= 0.1;
-    let fine = errors(engine, &finer, window, &resolved);
+    let fine = errors(engine, &finer, (0.0, 0.02), &resolved);
     let found = coarse[0] / fine[0];
     assert!(found > gain, "{found} for a tenth of the tolerance");
 
     let settings = [
         ("drive.start", "equilibrium"),
-        ("solver.duration_s", "0.05"),
+        ("solver.duration_s", "0.02"),
     ];
     let loaded = scene("paper", &settings);
     let resolved = run("native-resolved", &loaded);
-    assert_within(errors(engine, &loaded, (0.03, 0.05), &resolved), steady);
+    assert_within(errors(engine, &loaded, (0.01, 0.02), &resolved), steady);
 }
 
 /// Measured 2.9e-7 (forces) and 3.0e-7 (driver torque) in the transient, 1.8e-7 and 2.0e-7 steady: times 4. 3.4 times
@@ -97,7 +145,7 @@ fn crossval_ida_paper() {
 }
 
 fn friction() -> (Scene, TimeSeries) {
-    let scene = scene("paper-friction", &[("solver.duration_s", "0.01")]);
+    let scene = scene("paper-friction", &[("solver.duration_s", "0.006")]);
     let resolved = run("native-resolved", &scene);
     (scene, resolved)
 }
@@ -108,7 +156,7 @@ fn friction() -> (Scene, TimeSeries) {
 fn crossval_simbody_friction() {
     if simbody() {
         let (scene, resolved) = friction();
-        let found = errors(SIMBODY, &scene, (0.0, 0.01), &resolved);
+        let found = recorded_errors(SIMBODY, &scene, &resolved);
         assert_within(found, [6e-6, 2.5e-5]);
     }
 }
@@ -118,7 +166,7 @@ fn crossval_simbody_friction() {
 #[test]
 fn crossval_ida_friction() {
     let (scene, resolved) = friction();
-    let found = errors(IDA, &scene, (0.0, 0.01), &resolved);
+    let found = recorded_errors(IDA, &scene, &resolved);
     assert_within(found, [2e-5, 1.6e-4]);
 }
 
@@ -168,7 +216,7 @@ fn crossval_engines_with_own_profiles() {
             "paper",
             &[
                 form,
-                ("solver.duration_s", "0.005"),
+                ("solver.duration_s", "0.003"),
                 ("solver.step_s", "2e-6"),
             ],
         );
@@ -184,39 +232,55 @@ fn crossval_engines_with_own_profiles() {
     }
 }
 
-/// Load steps, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
-/// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose oscillation BDF damps. Times 4 to 5; with friction
+/// Load steps, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 3e-8 to 4.3e-7
+/// for Simbody, 8.5e-7 to 2.7e-6 for IDA, and 8.1e-5 for steel, whose oscillation BDF damps. Times 4 to 5; with friction
 /// more, because of the stated uncertainty of native-resolved. After the reversal contacts open and close, and Simbody's
 /// error is random: 2.5e-7 to 2.0e-6 with tolerances within a fifth of this one.
-#[test]
-fn crossval_solvers_other_scenes() {
+///
+/// Recorded scenes also follow their recordings; the paper's with and without friction does so above.
+fn other_scenes(rows: &[(&str, &str, &[(&str, &str)], [f64; 2])]) {
     let simbody = simbody();
-    let equilibrium = [
-        ("drive.start", "equilibrium"),
-        ("contact.friction_coefficient", "0.05"),
-        ("solver.duration_s", "0.005"),
-    ];
-    let short = [("solver.duration_s", "0.006")];
-    let reversal = [("solver.duration_s", "0.012")];
-    for (preset, settings, limits) in [
-        ("hard-load-doubled", &short[..], [2e-6, 1.2e-5]),
-        ("hard-load-reversal", &reversal, [6e-6, 1.6e-5]),
-        ("paper", &equilibrium, [4e-6, 1e-5]),
-        ("eleven-pins", &short, [1.5e-6, 8e-6]),
-        ("forty-pins", &short, [1e-6, 5e-6]),
-        ("one-wheel", &short, [3e-6, 1.2e-5]),
-        ("steel", &short, [1e-6, 4e-4]),
-    ] {
-        let scene = scene(preset, settings);
+    for &(preset, duration, settings, limits) in rows {
+        let scene = scene(
+            preset,
+            &[settings, &[("solver.duration_s", duration)]].concat(),
+        );
         let resolved = run("native-resolved", &scene);
         let window = (0.0, scene.solver.duration_s);
         for (engine, limit) in [SIMBODY, IDA].into_iter().zip(limits) {
             if engine == IDA || simbody {
-                let found = errors(engine, &scene, window, &resolved);
+                let (found, is_recorded) = judged(engine, &scene, window, &resolved);
                 assert_within(found, [limit; 2]);
+                let has = RECORDED_SCENES.contains(&preset) && settings.is_empty();
+                assert_eq!(is_recorded, has, "{preset} {engine}");
             }
         }
     }
+}
+
+#[test]
+fn crossval_solvers_other_scenes() {
+    let equilibrium = [
+        ("drive.start", "equilibrium"),
+        ("contact.friction_coefficient", "0.05"),
+    ];
+    other_scenes(&[
+        ("hard-load-doubled", "0.005", &[], [2e-6, 1.2e-5]),
+        ("hard-load-reversal", "0.009", &[], [6e-6, 1.6e-5]),
+        ("paper", "0.003", &equilibrium, [4e-6, 5e-6]),
+        ("eleven-pins", "0.005", &[], [1.5e-6, 8e-6]),
+        ("backlash-0.6", "0.005", &[], [2e-6, 4e-6]),
+        ("one-wheel", "0.003", &[], [2e-6, 6e-6]),
+    ]);
+}
+
+#[test]
+#[ignore = "weekly: 9 s for two scenes more"]
+fn crossval_solvers_dear_scenes() {
+    other_scenes(&[
+        ("forty-pins", "0.006", &[], [1e-6, 5e-6]),
+        ("steel", "0.006", &[], [1e-6, 4e-4]),
+    ]);
 }
 
 /// Equal runs give equal time series to the last bit.
@@ -233,14 +297,27 @@ fn crossval_solvers_repeat_to_the_bit() {
 }
 
 /// A missing solver is named with its remedy, and `compare` states that it shows the recordings. Four programs at once
-/// compile missing or damaged parts of the cache.
+/// compile missing or damaged parts of the cache, by a compiler that takes the program of the run before.
+#[cfg(unix)]
 #[test]
 fn crossval_simbody_cache_is_whole_or_made_anew() {
+    use std::os::unix::fs::PermissionsExt as _;
     if !simbody() {
         return;
     }
     let dir = tempfile::tempdir().unwrap();
     let cache = dir.path().join("cache");
+    let compiler = dir.path().join("compiler");
+    let real = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
+    let programs = pinwheel_engines::cache::folder().unwrap();
+    // The folder in the cache is named after what the compiler says of itself, and a draft after the folder.
+    let script = format!(
+        "#!/bin/sh\n[ \"$1\" = --version ] && exec {real} --version\nsleep 0.2\nwhile [ \"$1\" != -o ]; do shift; done\n\
+         draft=$(basename \"$(dirname \"$2\")\")\nname=${{draft#.}}\nexec cp \"{}/${{name%%.*}}/simbody\" \"$2\"\n",
+        programs.display()
+    );
+    fs::write(&compiler, script).unwrap();
+    fs::set_permissions(&compiler, fs::Permissions::from_mode(0o755)).unwrap();
     let start = |out: String| {
         let typed = "run paper --unchecked --set solver.duration_s=0.001 --set solver.sample_s=1e-4 --engine";
         let mut command = pinwheel();
@@ -249,7 +326,8 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
             .args([SIMBODY, "--out", &out]);
         command
             .current_dir(dir.path())
-            .env("PINWHEEL_CACHE", &cache);
+            .env("PINWHEEL_CACHE", &cache)
+            .env("CXX", &compiler);
         let (stdout, stderr) = (std::process::Stdio::piped(), std::process::Stdio::piped());
         command.stdout(stdout).stderr(stderr).spawn().unwrap()
     };
@@ -275,38 +353,4 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
     fs::write(&program, altered).unwrap();
     let outcome = end(start("again".to_owned()));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-}
-
-/// A live run follows its recording. Measured 4.9e-7; another processor's rounding makes the step control take other steps,
-/// and then both have errors of their own, of which IDA's on steel is the largest: 3.7e-4, times 2.7.
-#[test]
-fn crossval_solvers_recordings_are_of_these_programs() {
-    let simbody = simbody();
-    for (preset, engine) in pinwheel_engines::recorded::list() {
-        if engine != IDA && !(engine == SIMBODY && simbody) {
-            continue;
-        }
-        let recording = pinwheel_engines::recorded::find(preset, engine)
-            .unwrap()
-            .unwrap();
-        let mut scene = recording.scene.clone();
-        scene.solver.duration_s = 0.005;
-        scene.solver.sample_s = 1e-3;
-        let live = run(engine, &scene);
-        let found = by_name(engine, &scene).unwrap().version();
-        if found != recording.version {
-            println!(
-                "skipped: {preset} was recorded with {}, here is {found}",
-                recording.version
-            );
-            continue;
-        }
-        let rows: Vec<usize> = (0..live.len()).collect();
-        let recorded = recording.time_series.select(&rows);
-        for quantities in [&FORCES[..], &TORQUE] {
-            let error = runs::relative(&live, &recorded, quantities, (0.0, 0.005));
-            println!("{preset} {engine}: {error:.1e}");
-            assert!(error < 1e-3, "{preset} {engine}: {error:e}");
-        }
-    }
 }

@@ -58,30 +58,13 @@ fn assert_close(
 }
 
 fn assert_mean(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str, limit: f64) {
-    let (got, wanted) = (
-        mean(time_series, quantity, 0.3, 0.6),
-        mean(reference, quantity, 0.3, 0.6),
-    );
+    let [got, wanted] = [time_series, reference].map(|run| mean(run, quantity, 0.3, 0.42));
     let error = (got / wanted - 1.0).abs();
     println!("mean {quantity}: {got:.5} against {wanted:.5}, {error:.2e} (limit {limit:.1e})");
     assert!(error < limit, "mean {quantity}: {got} against {wanted}");
 }
 
-/// Measured 5.9e-5, the leapfrog's own error: its scheme on the reduced equations, without rapier, has 6.0e-5.
-#[test]
-fn crossval_rapier_shared_law_steady() {
-    let scene = scene("paper", &[]);
-    let time_series = run(SHARED, &scene);
-    let reference = native(&scene, "rk4", 5e-6);
-    assert_close(&time_series, &reference, &BOTH, (0.3, 0.6), 1e-4);
-    let driver = mean(&time_series, TORQUES[0], 0.3, 0.6);
-    assert!(
-        (driver / 1.4529 - 1.0).abs() < 1e-3,
-        "mean driver torque {driver}"
-    );
-}
-
-/// Measured 7.5e-5 at 2e-6 s, again the leapfrog's own error. A first-order scheme has 1e-3 here.
+/// Measured 7.5e-5 at 2e-6 s, the leapfrog's own error: its scheme on the reduced equations, without rapier, has as much. A first-order scheme has 1e-3 here.
 #[test]
 fn crossval_rapier_shared_law_transient() {
     let at = |step_s: &str| {
@@ -223,7 +206,7 @@ fn crossval_rapier_hook_without_friction() {
 fn crossval_rapier_hook_with_friction() {
     let scene = scene("paper-friction", &[("solver.duration_s", "0.35")]);
     let time_series = run(HOOK, &scene);
-    let reference = native(&scene, "rk2", 2e-7);
+    let reference = run("native-resolved", &scene);
     assert_close(&time_series, &reference, &BOTH, (0.3, 0.35), 2e-3);
     assert_close(&time_series, &reference, &FORCES, (0.0, 0.05), 2e-3);
     assert_close(&time_series, &reference, &TORQUES, (0.0, 0.05), 5e-3);
@@ -250,33 +233,13 @@ fn crossval_rapier_hook_with_light_sleeves() {
     assert_close(&time_series, &reference, &TORQUES, (0.0, 0.01), 5e-3);
 }
 
-/// rapier alone. Means only: torques within 1.5 % (measured 1.0 %), forces within 10 % (measured
-/// 4.1 and 4.9 %, because a linear spring spreads the load). Its spring has a potential, so the
-/// driver gives what the load takes, 22/15 N m: measured 0.06 %.
-#[test]
-fn crossval_rapier_colliders_means() {
-    let scene = scene("paper", &[]);
-    let time_series = run(COLLIDERS, &scene);
-    let reference = native(&scene, "rk4", 1e-5);
-    for quantity in TORQUES {
-        assert_mean(&time_series, &reference, quantity, 1.5e-2);
-    }
-    for quantity in FORCES {
-        assert_mean(&time_series, &reference, quantity, 0.1);
-    }
-    let driver = mean(&time_series, TORQUES[0], 0.3, 0.6);
-    assert!(
-        (driver / (22.0 / 15.0) - 1.0).abs() < 3e-3,
-        "mean driver torque {driver}"
-    );
-}
-
-/// Measured: eleven-pins 0.4 % torque, 3.9 and 5.1 % forces; backlash-0.6 0.7 %, 0.8 and 4.9 %.
+/// rapier alone. Means only, because a linear spring spreads the load over the pins otherwise; the paper's gear is judged by
+/// the table of limits. Measured: eleven-pins 0.4 % torque, 3.9 and 5.1 % forces; backlash-0.6 0.7 %, 0.8 and 4.9 %.
 #[test]
 fn crossval_rapier_colliders_means_of_other_gears() {
     for preset in ["eleven-pins", "backlash-0.6"] {
         println!("{preset}");
-        let scene = scene(preset, &[]);
+        let scene = scene(preset, &[("solver.duration_s", "0.42")]);
         let time_series = run(COLLIDERS, &scene);
         let reference = native(&scene, "rk4", 1e-5);
         for quantity in TORQUES {
@@ -520,7 +483,7 @@ fn crossval_rapier_colliders_deviations() {
             &[
                 ("contact.stiffness_multiplier", "0.01"),
                 ("drive.start", "kinematic"),
-                ("solver.duration_s", "0.6"),
+                ("solver.duration_s", "0.42"),
                 ("solver.sample_s", "1e-4"),
             ],
         );

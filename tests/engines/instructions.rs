@@ -36,8 +36,12 @@ const WORK: [(&str, u32); 7] = [
     ("balance_floating", BALANCES),
     ("balance_on_cranks", BALANCES),
 ];
-/// Variable with the number of pieces to run.
-const PIECES: &str = "PINWHEEL_PIECES";
+
+/// Ends a piece of work: callgrind writes the counts since the last end before it.
+#[inline(never)]
+fn end_of_piece(name: &str) {
+    std::hint::black_box(name);
+}
 
 fn balances(statics: &mut Statics<'_>) {
     let load = statics.gearbox().scene.drive.output_torque_n_m;
@@ -56,7 +60,6 @@ fn gearbox(preset: &str, sets: &[Override]) -> Gearbox {
 #[ignore = "work for the test below, which has it counted"]
 fn the_work() {
     println!("vectors: {}", Kernel::Lanes.vectors());
-    let pieces = std::env::var(PIECES).map_or(WORK.len(), |n| n.parse().expect("a number"));
     let paper = gearbox("paper", &[Override::new("solver.duration_s", "0.03")]);
     let others = ["needle-bearings", "rv-40e-like"].map(|name| gearbox(name, &[]));
     let mut rigid = Statics::new(&paper).expect("statics");
@@ -64,8 +67,9 @@ fn the_work() {
         .each_ref()
         .map(|one| Statics::new(one).expect("statics"));
     let (mut series, mut text) = (TimeSeries::default(), Vec::new());
-    for (piece, _) in &WORK[..pieces] {
-        match *piece {
+    end_of_piece("preparation");
+    for (piece, _) in WORK {
+        match piece {
             "run" => {
                 series = native::run(&paper, &mut |_| false)
                     .expect("a run")
@@ -84,6 +88,7 @@ fn the_work() {
             "balance_floating" => balances(&mut floating),
             _ => balances(&mut cranks),
         }
+        end_of_piece(piece);
     }
 }
 
@@ -117,13 +122,13 @@ fn own(text: &str, program: &Path) -> f64 {
     sum
 }
 
-/// Returns the instructions of the first pieces of work with their preparation; `Err`: the reason for a missing count.
-fn counted_until(pieces: usize) -> Result<f64, String> {
+/// Returns the instructions of one unit of each piece of work; `Err`: the reason for missing counts.
+fn counted() -> Result<BTreeMap<String, f64>, String> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("counts");
     let program = std::env::current_exe().expect("this program");
     let output = Command::new("valgrind")
-        .arg("--tool=callgrind")
+        .args(["--tool=callgrind", "--dump-before=*end_of_piece*"])
         .arg(format!("--callgrind-out-file={}", file.display()))
         .arg(&program)
         .args([
@@ -132,7 +137,6 @@ fn counted_until(pieces: usize) -> Result<f64, String> {
             "instructions::the_work",
             "--nocapture",
         ])
-        .env(PIECES, pieces.to_string())
         .output()
         .map_err(|error| format!("valgrind does not start: {error}"))?;
     let told = String::from_utf8_lossy(&output.stdout);
@@ -144,21 +148,14 @@ fn counted_until(pieces: usize) -> Result<f64, String> {
     if !told.contains("vectors: avx2") {
         return Err("this processor has no AVX2, for which the accepted counts are".to_owned());
     }
-    Ok(own(
-        &std::fs::read_to_string(file).expect("counts"),
-        &program,
-    ))
-}
-
-/// Returns the instructions of one unit of each piece of work.
-fn counted() -> Result<BTreeMap<String, f64>, String> {
-    let mut before = counted_until(0)?;
-    let each = WORK.iter().enumerate().map(|(k, (name, units))| {
-        let until = counted_until(k + 1)?;
-        let own = until - std::mem::replace(&mut before, until);
-        Ok(((*name).to_owned(), (own / f64::from(*units)).round()))
-    });
-    each.collect()
+    // The first part is the preparation.
+    let of_piece = |(k, (name, units)): (usize, &(&str, u32))| {
+        let part = format!("{}.{}", file.display(), k + 2);
+        let text = std::fs::read_to_string(part).expect("counts");
+        let one = own(&text, &program) / f64::from(*units);
+        ((*name).to_owned(), one.round())
+    };
+    Ok(WORK.iter().enumerate().map(of_piece).collect())
 }
 
 #[test]

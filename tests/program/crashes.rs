@@ -14,6 +14,8 @@ use std::time::{Duration, Instant};
 use pinwheel::studies::rng::Rng;
 use pinwheel_tests::{names_in, pinwheel};
 
+/// Number of kills of every command in an ordinary run.
+const KILLS: u64 = 3;
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
 
 /// Command that writes `out`.
@@ -26,12 +28,14 @@ struct Writer {
     same: &'static [&'static str],
     /// Command that continues after a kill.
     resume: Option<&'static str>,
+    /// True if it takes many seconds: only with more than [`KILLS`] kills, as the weekly workflow has them.
+    dear: bool,
 }
 
 const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
     [vary]\ngear.backlash_m = { from = 0.0, to = 3.0e-4, points = 12 }\n";
 
-const WRITERS: [Writer; 14] = [
+static WRITERS: [Writer; 14] = [
     writer(
         "run paper --set solver.duration_s=0.4 --out out",
         "out",
@@ -59,7 +63,7 @@ const WRITERS: [Writer; 14] = [
         &["results.csv", "sweep.toml"],
     )
     .resumed(),
-    writer("paper --figures 9 --out out", "out", &[]),
+    writer("paper --figures 9 --out out", "out", &[]).dear(),
     writer(
         "record mine.toml --engines rapier-shared-law --out out",
         "out/mine",
@@ -91,7 +95,7 @@ const WRITERS: [Writer; 14] = [
         &["gear.toml"],
     ),
     writer("fmu mine.toml --out gear.fmu", "gear.fmu", &["gear.fmu"]),
-    writer("baseline record --dir out new", "out/new", &[]),
+    writer("baseline record --dir out new", "out/new", &[]).dear(),
 ];
 
 const fn writer(words: &'static str, out: &'static str, same: &'static [&'static str]) -> Writer {
@@ -100,6 +104,7 @@ const fn writer(words: &'static str, out: &'static str, same: &'static [&'static
         out,
         same,
         resume: None,
+        dear: false,
     }
 }
 
@@ -110,6 +115,10 @@ impl Writer {
             resume: Some("--resume"),
             ..self
         }
+    }
+
+    const fn dear(self) -> Self {
+        Self { dear: true, ..self }
     }
 
     fn words(&self) -> Vec<&'static str> {
@@ -390,21 +399,28 @@ impl Writer {
     }
 }
 
+fn number(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
+}
+
+fn kills() -> u64 {
+    number("PINWHEEL_KILLS", KILLS)
+}
+
+/// Returns the commands of this run with their numbers.
+fn writers() -> impl Iterator<Item = (usize, &'static Writer)> {
+    let all = WRITERS.iter().enumerate();
+    all.filter(|(_, writer)| !writer.dear || kills() > KILLS)
+}
+
 #[test]
 fn regress_kills_tear_nothing_and_lose_nothing() {
-    let number = |name: &str, otherwise: u64| {
-        std::env::var(name).map_or(otherwise, |text| text.parse().expect("a number"))
-    };
-    let kills = number("PINWHEEL_KILLS", 3) as usize;
+    let kills = kills() as usize;
     let seed = number("PINWHEEL_KILLS_SEED", 1);
     let only = std::env::var("PINWHEEL_KILLS_ONLY").ok();
     let mut all = (0, 0);
-    for (place, writer) in WRITERS.iter().enumerate() {
+    for (place, writer) in writers() {
         if only.as_ref().is_some_and(|only| writer.words()[0] != only) {
-            continue;
-        }
-        // Recording the complete set takes many seconds, so only on request.
-        if writer.words()[..2] == ["baseline", "record"] && kills <= 3 {
             continue;
         }
         let begin = Instant::now();
@@ -424,11 +440,8 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
 #[test]
 fn regress_a_limit_of_file_sizes_is_an_error() {
     let mut refused = 0;
-    for writer in &WRITERS {
+    for (_, writer) in writers() {
         let what = writer.words;
-        if what.starts_with("baseline record") {
-            continue; // many seconds
-        }
         for blocks in ["0", "1", "20"] {
             let dir = tempfile::tempdir().unwrap();
             let dir = dir.path();

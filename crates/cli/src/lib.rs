@@ -19,6 +19,7 @@ use std::ffi::OsString;
 
 use crate::args::Command;
 use crate::failure::Failure;
+pub use crate::words::within;
 
 /// Runs one command line, which begins with the program's name, and returns the exit status. Call once a process: it
 /// installs the handler of Ctrl-C.

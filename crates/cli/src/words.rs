@@ -1,9 +1,29 @@
 //! Words of the command line.
 
 use std::ffi::OsString;
+use std::process::Command;
 use std::sync::OnceLock;
 
 static WORDS: OnceLock<Vec<OsString>> = OnceLock::new();
+static INTERPRETER: OnceLock<OsString> = OnceLock::new();
+
+/// Names the Python that runs the program as its module `pinwheel`.
+pub fn within(interpreter: OsString) {
+    let _ = INTERPRETER.set(interpreter);
+}
+
+/// Returns a command that runs the same words in another process; `None` if no program is known.
+pub(crate) fn again() -> Option<Command> {
+    let mut command = match INTERPRETER.get() {
+        Some(python) => Command::new(python),
+        None => Command::new(std::env::current_exe().ok()?),
+    };
+    if INTERPRETER.get().is_some() {
+        command.args(["-P", "-m", "pinwheel"]);
+    }
+    command.args(typed());
+    Some(command)
+}
 
 /// Sets the words, the program's name first. They differ from those of the process if Python runs the program.
 pub(crate) fn set(words: Vec<OsString>) {

@@ -165,7 +165,6 @@ impl Gearbox {
     }
 
     /// Returns a moment on the output (N m) as one on the carrier's turn against the ring while the input is locked.
-    #[must_use]
     pub fn along_carrier_n_m(&self, load_n_m: f64) -> f64 {
         if self.scene.ring_turns() {
             -load_n_m

@@ -173,7 +173,6 @@ impl Geometry {
 
     /// Returns the angle of the eccentrics against the ring from those of the input and of the carrier against the ring, rad; rates
     /// likewise. In an RV gear it is (1 + rho) carrier - rho input, and less the input's turn against a ring that is the output.
-    #[must_use]
     pub fn eccentric_angle(&self, input: f64, carrier: f64) -> f64 {
         let [per_input, per_carrier] = self.eccentric_per_turn;
         per_carrier * carrier + per_input * input
@@ -185,7 +184,6 @@ impl Geometry {
     }
 
     /// Returns the angle of the eccentrics against the ring from that of the input at the ideal mesh, rad.
-    #[must_use]
     pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
         self.eccentric_per_input * input
     }
@@ -214,13 +212,11 @@ impl Geometry {
 
     /// Returns the angle of the carrier against the ring at the ideal mesh, for the input angle `phi`, rad: that of the output, or
     /// its negative if the ring is the output ([`ideal_turn_of_output`](Self::ideal_turn_of_output)).
-    #[must_use]
     pub fn ideal_output_angle(&self, phi: f64) -> f64 {
         -self.ideal_eccentric_angle(phi) / self.lobes
     }
 
     /// Returns the angle of the output at the ideal mesh, for the input angle `phi`, rad.
-    #[must_use]
     pub fn ideal_turn_of_output(&self, phi: f64) -> f64 {
         let carrier = self.ideal_output_angle(phi);
         if self.ring_turns() { -carrier } else { carrier }

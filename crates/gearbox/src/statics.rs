@@ -714,19 +714,16 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the gearbox that is balanced.
-    #[must_use]
     pub fn gearbox(&self) -> &'a Gearbox {
         self.gearbox
     }
 
     /// Returns the number of evaluations of all contacts so far, the cost of the poses.
-    #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
     /// Returns the number of balances that [`track`](Self::track) solved, and of those that were already known.
-    #[must_use]
     pub fn balances(&self) -> [u64; 2] {
         [self.balances, self.repeats]
     }
@@ -747,7 +744,6 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the bearings by which cranks of an RV gear carry discs, as pairs; empty for other gears.
-    #[must_use]
     pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         self.carrier.pairs(&equilibrium.bodies)
     }

@@ -19,9 +19,11 @@ use std::ffi::OsString;
 
 use pyo3::prelude::*;
 
-/// Runs a command line, which begins with the program's name, and returns the exit status. Call once a process.
+/// Runs a command line, which begins with the program's name, and returns the exit status; `interpreter` runs further processes
+/// of the program. Call once a process.
 #[pyfunction]
-fn program(py: Python<'_>, words: Vec<OsString>) -> u8 {
+fn program(py: Python<'_>, words: Vec<OsString>, interpreter: OsString) -> u8 {
+    pinwheel_cli::within(interpreter);
     py.detach(|| pinwheel_cli::main(words))
 }
 

@@ -171,7 +171,6 @@ fn of_outer(is_rv: bool) -> [f64; 3] {
 }
 
 /// Returns the suggested diameter of the pin circle of a gear with this outer diameter, m, in whole millimetres from 20 mm on.
-#[must_use]
 pub fn pin_circle_of_m(outer_diameter_m: f64, is_rv: bool) -> f64 {
     let circle = of_outer(is_rv)[0] * outer_diameter_m;
     let unit = if circle < 0.02 { 1e-4 } else { 1e-3 };

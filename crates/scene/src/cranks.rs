@@ -32,20 +32,17 @@ impl Cranks {
 
 impl Scene {
     /// True if the ring is the output, and the carrier is held.
-    #[must_use]
     pub fn ring_turns(&self) -> bool {
         self.drive.output == OutputPart::Ring
     }
 
     /// Returns the rotation of the eccentrics per rotation of the input while the carrier is held: 1, and -rho of an RV gear.
-    #[must_use]
     pub fn eccentric_per_held_carrier(&self) -> f64 {
         self.cranks.map_or(1.0, |cranks| -cranks.teeth_ratio())
     }
 
     /// Returns the rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk
     /// + rho) of an RV gear, and zs/zk of that with a held carrier if the ring is the output.
-    #[must_use]
     pub fn eccentric_per_input(&self) -> f64 {
         let (zs, zk) = (self.gear.lobes() as f64, self.gear.external_sleeves as f64);
         let held = self.eccentric_per_held_carrier();
@@ -57,7 +54,6 @@ impl Scene {
     }
 
     /// Returns the moment on the carrier per moment on the output, unsigned: 1, zs/zk of a ring, R/(R - 1) of that of an RV gear.
-    #[must_use]
     pub fn carrier_moment_per_output(&self) -> f64 {
         match self.ring_turns() {
             true => (1.0 - self.output_per_input()).abs(),
@@ -67,7 +63,6 @@ impl Scene {
 
     /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk or -rho/zk of
     /// a ring.
-    #[must_use]
     pub fn output_per_input(&self) -> f64 {
         let carrier = -self.eccentric_per_input() / self.gear.lobes() as f64;
         if self.ring_turns() { -carrier } else { carrier }
@@ -108,7 +103,6 @@ impl Scene {
     }
 
     /// Returns the output shaft with its share of the turning cranks' inertia; a ring has none.
-    #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.output_shaft;
         if let Some(cranks) = self.cranks.filter(|_| !self.ring_turns()) {

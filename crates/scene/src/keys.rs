@@ -137,7 +137,6 @@ impl Key {
     }
 
     /// Returns the last part of the name in words, without its unit: `output pin radius`.
-    #[must_use]
     pub fn words(&self) -> String {
         let name = self.name.rsplit('.').next().unwrap_or_default();
         let unit = self.ending().map_or("", |(end, _)| end);

@@ -31,17 +31,20 @@ impl Layout {
     }
 
     /// Indices of the discs.
+    #[inline]
     pub fn wheel_bodies(&self) -> Range<usize> {
         2..2 + self.wheels
     }
 
     /// Indices of the ring pins.
+    #[inline]
     pub fn external_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels;
         from..from + self.external_sleeves
     }
 
     /// Indices of the output pins.
+    #[inline]
     pub fn internal_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels + self.external_sleeves;
         from..from + self.internal_sleeves
@@ -72,6 +75,7 @@ pub enum Sleeve {
 
 impl Sleeve {
     /// Returns 0 for a ring pin and 1 for an output pin.
+    #[must_use]
     #[inline]
     pub fn side(self) -> usize {
         usize::from(matches!(self, Self::Internal(_)))

@@ -27,6 +27,7 @@ pub struct LoadSegment {
 
 impl LoadSegment {
     /// Returns the torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
+    #[inline]
     pub fn torque(&self, t: f64) -> f64 {
         if self.ramp_s > 0.0 {
             let share = ((t - self.from_s) / self.ramp_s).clamp(0.0, 1.0);

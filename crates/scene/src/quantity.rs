@@ -88,7 +88,6 @@ pub(crate) fn of_another_unit(key: &str) -> Option<(&'static str, f64)> {
 
 /// Returns a text with some units replaced, each given as `(unit, (other, its number in one unit))`: a unit is that of the number
 /// before it, and of those that `to` or `and` joins with that number.
-#[must_use]
 pub fn in_units(text: &str, units: &[(&str, (&str, f64))]) -> String {
     let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
     let old: Vec<&str> = text.split(' ').collect();

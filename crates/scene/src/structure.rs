@@ -115,7 +115,6 @@ impl Scene {
 
     /// Twist of the output beyond its pins under a torque (N m), rad: of carrier and flange, plate and input shaft. A held carrier
     /// twists under its own moment, and a ring follows by the same ratio.
-    #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
         let structure = &self.structure;
         let flange = self.bearings.output_torsion_n_m_rad;

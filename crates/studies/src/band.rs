@@ -242,7 +242,6 @@ pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, Stu
 }
 
 /// Returns the reason why a scene gets no bands: it names no laws, or its contacts were made softer or stiffer without naming laws.
-#[must_use]
 pub fn declined(scene: &Scene) -> Option<&'static str> {
     match scene.contact.band_laws.as_deref() {
         Some([]) => Some("contact.band_laws is empty"),

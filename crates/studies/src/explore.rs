@@ -259,7 +259,6 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
 }
 
 /// Returns the duration of a state, s: an input turn of the unchanged scene, equal for both states.
-#[must_use]
 pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
 }
@@ -363,7 +362,6 @@ pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<[f64; 3]>
 }
 
 /// Returns the overrides of a state: a start in balance, if its load is constant.
-#[must_use]
 pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
     let mut settled = sets.to_vec();
     let start = START.parse::<Override>();
@@ -375,7 +373,6 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 }
 
 /// Returns the sliders of a scene for the page's script.
-#[must_use]
 pub fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();
     // Sliders of the cranks exist only for an RV gear, whose cranks are its output pins.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pinwheel::scene::as_built::{PROCESSES, process};
-use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material, pin_circle_of_m};
+use pinwheel::scene::catalogue::{self, Catalogue, MATERIALS, Material, pin_circle_of_m};
 use pinwheel::scene::quantity;
 
 use super::{OutArgs, SceneArgs};

@@ -1,7 +1,6 @@
 //! `pinwheel compare`: one scene, several engines, one report; or two scenes, one engine.
 
 use std::io::Write as _;
-use std::process::Command;
 use std::sync::Arc;
 
 use pinwheel::compare::Divergence;
@@ -52,12 +51,11 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    // If Python loaded this library, the program is Python.
     let ahead: comparison::Ahead<'_> = &elsewhere;
     let lanes = Lanes {
         jobs: args.jobs.map_or_else(args::cores, usize::from),
         store: store.as_deref(),
-        ahead: cfg!(feature = "crossval").then_some(ahead),
+        ahead: Some(ahead),
     };
     let found = watched(|control| comparison::run_on(&input, effort, &lanes, control));
     for line in store.iter().flat_map(|store| store.said()) {
@@ -121,11 +119,9 @@ fn keep(store: &Arc<Store>, ahead: &str, gearbox: &Gearbox, effort: Effort) -> R
 /// Runs [`keep`] in another process. This process runs all that is not stored afterwards.
 fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>) {
     let divergence = serde_json::to_string(&divergence).unwrap_or_default();
-    let Ok(program) = std::env::current_exe() else {
+    let Some(mut command) = words::again() else {
         return;
     };
-    let mut command = Command::new(program);
-    command.args(words::typed());
     command.args(["--ahead", &format!("{name} {divergence}")]);
     let _ = process::run(&mut command, None, &mut |piece| {
         let said = piece.filter(|piece| !piece.stderr);

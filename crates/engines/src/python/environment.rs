@@ -253,7 +253,15 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         })
 }
 
-/// Creates and fills an environment; the marker comes last.
+/// Returns the script that runs an interpreter's pip in another one; `None` if it has none.
+fn pip_of(executable: &Path, cancel: &AtomicBool) -> Option<PathBuf> {
+    let ask =
+        "import os, pip; print(os.path.join(os.path.dirname(pip.__file__), '__pip-runner__.py'))";
+    let answer = call(executable, ["-I", "-c", ask], None, cancel).ok()?;
+    Some(PathBuf::from(answer.trim())).filter(|script| script.is_file())
+}
+
+/// Creates and fills an environment by the interpreter's pip, whose copy would take most of the time; the marker comes last.
 fn make(
     draft: &Path,
     executable: &Path,
@@ -263,8 +271,10 @@ fn make(
     cancel: &AtomicBool,
 ) -> Result<(), Halt> {
     note.say("making a virtual environment");
-    let venv = ["-I", "-m", "venv"].map(OsStr::new);
-    let arguments = venv.into_iter().chain([draft.as_os_str()]);
+    let pip = pip_of(executable, cancel);
+    let venv = ["-I", "-m", "venv"].map(OsStr::new).into_iter();
+    let without = pip.iter().map(|_| "--without-pip".as_ref());
+    let arguments = venv.chain(without).chain([draft.as_os_str()]);
     call(executable, arguments, Some(note), cancel).map_err(|reason| {
         Ending::absent(format!(
             "no virtual environment can be made with {}: {reason}; install its module venv (Debian: apt install \
@@ -274,8 +284,12 @@ fn make(
     })?;
     let list = draft.join("requirements.txt");
     fs::write(&list, requirements.text).map_err(|error| storage(&list, error))?;
-    let install = "-I -m pip install --disable-pip-version-check --no-input --progress-bar off --only-binary :all: --retries 2";
-    let mut arguments: Vec<&OsStr> = install.split(' ').map(OsStr::new).collect();
+    let install = "install --disable-pip-version-check --no-input --progress-bar off --only-binary :all: --retries 2";
+    let mut arguments: Vec<&OsStr> = match &pip {
+        Some(script) => vec!["-I".as_ref(), script.as_ref()],
+        None => ["-I", "-m", "pip"].map(OsStr::new).to_vec(),
+    };
+    arguments.extend(install.split(' ').map(OsStr::new));
     let named = requirements.arguments(&list);
     if let Some(wheels) = wheels {
         arguments.extend([

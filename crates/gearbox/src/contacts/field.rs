@@ -97,13 +97,11 @@ pub struct ContactField {
 
 impl ContactField {
     /// True without friction of the contacts; see [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles).
-    #[must_use]
     pub fn work_from_angles(&self) -> bool {
         self.ring.is_none() && self.contacts.work_from_angles()
     }
 
     /// True with exact detection; see [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives).
-    #[must_use]
     pub fn have_derivatives(&self) -> bool {
         self.ring.is_none() && self.contacts.have_derivatives()
     }
@@ -185,7 +183,6 @@ impl ContactField {
     }
 
     /// Returns the law of all pairs.
-    #[must_use]
     pub fn law(&self) -> &PinLaw {
         &self.law
     }

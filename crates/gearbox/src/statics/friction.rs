@@ -221,7 +221,6 @@ impl<'a> Statics<'a> {
 
 /// Returns the efficiency of a motion under `load` (N m) whose driver has this mean torque, N m; either shaft may drive. Not
 /// above 0 where the gear locks itself.
-#[must_use]
 pub fn slow_efficiency(gearbox: &Gearbox, driver_n_m: f64, load: f64) -> f64 {
     let delivered = -load * gearbox.geometry.ideal_output_angle(1.0);
     match delivered * speed_profile::fastest_rad_s(&gearbox.scene.drive) > 0.0 {

@@ -61,8 +61,8 @@ fn both_forms_agree() {
         let common = [
             &integrator,
             &tolerance,
-            "solver.duration_s=1e-3",
-            "solver.sample_s=1e-4",
+            "solver.duration_s=5e-4",
+            "solver.sample_s=5e-5",
             &friction,
         ];
         let courses = ["reduced", "lagrange"].map(|form| {

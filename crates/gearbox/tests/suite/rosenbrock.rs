@@ -10,9 +10,9 @@ use pinwheel_gearbox::contacts::Kernel;
 #[test]
 fn hard_friction_is_resolved_in_fewer_evaluations() {
     for (preset, duration, limit, fewer) in [
-        ("paper-friction", "0.005", 4e-5, 0.6),
-        ("hard-friction-light-sleeves", "0.005", 1e-5, 0.2),
-        ("hard-feather-sleeves", "0.003", 2e-6, 0.03),
+        ("paper-friction", "0.003", 4e-5, 0.6),
+        ("hard-friction-light-sleeves", "0.002", 1e-5, 0.2),
+        ("hard-feather-sleeves", "0.001", 2e-6, 0.03),
     ] {
         let window = ("solver.duration_s", duration);
         let by = |method: &str, tolerance: &str| {

@@ -70,7 +70,6 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
 }
 
 /// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
-#[must_use]
 pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     // What one runs it for comes first.
     let mut rows = results(&found.results(), found.resolution.is_some());
@@ -81,7 +80,6 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
 }
 
 /// The page: the answers, the gear in motion, and the time series.
-#[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let results = found.results();
     let share = results.get(&SHARE_DELIVERED);

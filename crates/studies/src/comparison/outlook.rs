@@ -26,7 +26,6 @@ pub struct Outlook {
 
 impl Outlook {
     /// Creates the outlook of work with a usual duration, s.
-    #[must_use]
     pub fn usual(usual_s: f64) -> Self {
         Self {
             usual_s,
@@ -42,7 +41,6 @@ impl Outlook {
 }
 
 /// Returns the remaining time of all on `jobs` threads at `now_s`; `None` where it cannot be known to about a third.
-#[must_use]
 pub fn left_s(all: &[Outlook], jobs: usize, now_s: f64) -> Option<f64> {
     let known = all.iter().filter_map(|one| Some((one.total_s()?, one)));
     let [mut took_s, mut usual_s, mut squares] = [0.0; 3];

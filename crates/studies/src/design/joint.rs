@@ -246,7 +246,6 @@ impl Joint {
     /// Returns MuJoCo's form: input and output as joints, with fixed tendons as springs with dead bands between them.
     ///
     /// Source: MuJoCo XML reference, `tendon/fixed`: two values of `springlength` are a dead band; `frictionloss` of joints.
-    #[must_use]
     pub fn mjcf(&self) -> String {
         self.filled(include_str!("../../templates/joint_mujoco.xml"))
     }

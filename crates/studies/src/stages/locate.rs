@@ -30,7 +30,6 @@ pub struct Located {
 
 impl Located {
     /// The first stage that is off: that of the cause, if there is one.
-    #[must_use]
     pub fn first(&self) -> Option<Stage> {
         let off = self.stages.iter().find(|judged| judged.is_off());
         let off = off.map(|judged| judged.stage);
@@ -38,7 +37,6 @@ impl Located {
     }
 
     /// One line for the first screen, which begins with `stage` where a stage is off.
-    #[must_use]
     pub fn sentence(&self) -> String {
         match self.first() {
             Some(_) => format!("stage {}", self.words()),
@@ -47,7 +45,6 @@ impl Located {
     }
 
     /// The first stage that is off and the likely cause with its figure; or that no stage is.
-    #[must_use]
     pub fn words(&self) -> String {
         let Some(first) = self.first() else {
             let mut blind = self.stages.iter();
@@ -65,7 +62,6 @@ impl Located {
     }
 
     /// The first stage that is off with its residual and place; empty where none is.
-    #[must_use]
     pub fn off(&self) -> String {
         let mut stages = self.stages.iter();
         let judged = stages.find(|judged| judged.is_off());
@@ -88,7 +84,6 @@ impl Located {
     }
 
     /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
-    #[must_use]
     pub fn in_full(&self) -> String {
         let distance = self.cause.as_ref().and_then(|cause| cause.distance);
         let confirmed = distance.map_or_else(String::new, |distance| {
@@ -119,7 +114,6 @@ pub struct Runs<'a> {
 
 /// Judges every stage of a run, and looks for the cause where one is off. `None`: the scene has no reduced form, or the run lacks
 /// columns that every run has.
-#[must_use]
 pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     let mut native = Model::new(gearbox, Vec::new())?;
     let states = states::Columns::of(gearbox, native.free());
