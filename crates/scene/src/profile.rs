@@ -11,6 +11,7 @@ use super::model::Gear;
 #[derive(Debug, Clone)]
 pub struct Profile {
     curve: Epitrochoid,
+    eccentricity: f64,
     offset: f64,
 }
 
@@ -23,6 +24,7 @@ impl Profile {
         let bare = || Epitrochoid::unsearched(gear.eccentricity_m, sleeves, shortening);
         Self {
             curve: curve.unwrap_or_else(bare),
+            eccentricity: gear.eccentricity_m,
             offset: gear.edge_offset_m(),
         }
     }
@@ -68,10 +70,12 @@ impl Profile {
 
     /// Returns the radii of the profile's pits and tips, its smallest and largest distance from the disc centre, m.
     pub fn radii(&self) -> [f64; 2] {
-        // Without an offset of its own a lobe has both at its ends.
-        let samples = if self.curve.has_offset() { 720 } else { 2 };
-        let step = std::f64::consts::TAU / (f64::from(samples) * self.lobes());
-        let all = (0..samples).map(|k| self.offset_point(f64::from(k) * step));
+        if !self.curve.has_offset() {
+            let ends = [-self.eccentricity, self.eccentricity];
+            return ends.map(|end| self.curve.pitch_radius() + end - self.offset);
+        }
+        let step = std::f64::consts::TAU / (720.0 * self.lobes());
+        let all = (0..720).map(|k| self.offset_point(f64::from(k) * step));
         all.map(|[x, y]| x.hypot(y))
             .fold([f64::INFINITY, 0.0], |[low, high], r| {
                 [r.min(low), r.max(high)]
