@@ -6,7 +6,8 @@ use std::path::Path;
 use pinwheel_tests::{run_in, words};
 use pinwheel_timeseries::TimeSeries;
 
-use crate::chromium::{Chromium, DESK, browse};
+use crate::chromium::{Chromium, DESK, Look, PHONE, browse};
+use crate::faults;
 
 /// Texts of a comparison: banner, first screen, and terminal.
 struct Said {
@@ -114,7 +115,15 @@ fn browser_is_amber_where_nothing_confirms() {
         std::fs::write(&place, faulty).unwrap();
         let of = format!("paper --engines reduced,lagrange --solver mine/solver.toml {short}");
         let differs = Said::of(browser, dir, &of, 1);
-        differs.says("fail", "Differs", &["mine"]);
+        differs.says("fail", "Differs", &["mine", "law, likely force"]);
+        // The stage is drawn in three ways, on a phone and in the dark too.
+        for look in [PHONE, Look { dark: true, ..DESK }] {
+            let (found, _) = faults(browser, look);
+            assert!(found.is_empty(), "{found:#?}");
+        }
+        let drawn = "[...document.querySelectorAll('#stages .panel:has(.uplot) h3')].map((h) => h.textContent).join()";
+        let drawn = browser.text(drawn);
+        assert_eq!(drawn, "Over time: law,By pin: law,By place on a lobe: law");
         let manifest = dir.join("mine/solver.toml");
         let text = std::fs::read_to_string(&manifest).unwrap();
         let (kept, _) = text.split_once("[refine]").unwrap();

@@ -192,92 +192,69 @@ pub(crate) fn commit(folder: &Path, fault: &str) {
     std::fs::write(folder.join("solver.toml"), with).expect("written");
 }
 
-/// A solver with one error at a time: each fault is detected, with place and time.
-#[test]
-fn crossval_a_check_names_every_fault() {
+/// Tries a solver with a fault: its trial, its quantity and its stage are named, with place and time.
+fn check_names(fault: &str, trial: &str, quantity: &str, stage: &str) {
     let Some(folder) = faulty() else { return };
-    let force = "sleeve_force_n_";
-    for (fault, trial, quantity, stage) in [
-        ("none", "", "", ""),
-        (
-            "friction",
-            "friction: ",
-            force,
-            "law, likely friction: friction of all contacts with the other sign",
-        ),
-        (
-            "curvature",
-            "law vectors",
-            force,
-            "law, likely curvature: curvature of the other sign in pits",
-        ),
-        (
-            "inertia",
-            "laws",
-            force,
-            "equations, likely inertia: mass of the output pins on the output shaft, missing",
-        ),
-        (
-            "phase",
-            "contacts",
-            force,
-            "start, likely phase: phase of disc 1's eccentric off by 1.000e-3",
-        ),
-        ("step", "runs", "the output shaft is", ""),
-        (
-            "damping",
-            "contacts",
-            force,
-            "law, likely damping: damping without its ramp",
-        ),
-        ("order", "accuracy", "order ", "integration: off by"),
-        ("long-step", "repeats", "longer than solver.step_s", ""),
-    ] {
-        commit(folder.path(), fault);
-        let ran = run_in(
-            folder.path(),
-            words("solver check solver.toml --junit j.xml"),
-        );
-        println!("{fault}: {}", ran.stdout);
-        let code = if fault == "none" { 0 } else { 1 };
-        assert_eq!(
-            ran.code,
-            Some(code),
-            "{fault}\n{}{}",
-            ran.stdout,
-            ran.stderr
-        );
-        if fault == "none" {
-            continue;
-        }
-        let at = folder.path().join("out/faulty-check/summary.json");
-        let summary: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(at).expect("summary")).expect("json");
-        let answer = summary["answer"].as_str().unwrap_or_default();
-        assert!(answer.starts_with("faulty: differs: "), "{fault}: {answer}");
-        assert!(
-            summary.to_string().contains(&format!("stage {stage}")) || stage.is_empty(),
-            "{fault}: {summary}"
-        );
-        let page = std::fs::read_to_string(folder.path().join("out/faulty-check/index.html"));
-        let page = page.expect("a page");
-        assert_eq!(page.contains("Over time: "), !stage.is_empty(), "{fault}");
-        let failed = summary["findings"].as_array().into_iter().flatten();
-        let mut failed = failed.filter(|finding| finding["state"] == "failed");
-        let named = failed.any(|finding| {
-            let seen = finding["seen"].as_str().unwrap_or_default();
-            let whole = format!("{}: {seen}", finding["name"].as_str().unwrap_or_default());
-            let dated = seen.contains(" off at t = ") || !quantity.starts_with("sleeve");
-            whole.contains(trial.trim_end_matches(": ")) && seen.contains(quantity) && dated
-        });
-        assert!(named, "{fault}: {summary}");
-        let junit = std::fs::read_to_string(folder.path().join("j.xml")).expect("junit");
-        let first = junit.lines().find(|line| line.contains("<failure"));
-        assert!(
-            first.is_some_and(|line| line.contains("faulty: differs")),
-            "{junit}"
-        );
+    commit(folder.path(), fault);
+    let ran = run_in(
+        folder.path(),
+        words("solver check solver.toml --junit j.xml"),
+    );
+    println!("{fault}: {}", ran.stdout);
+    let code = i32::from(fault != "none");
+    assert_eq!(ran.code, Some(code), "{}{}", ran.stdout, ran.stderr);
+    if fault == "none" {
+        return;
     }
+    let at = folder.path().join("out/faulty-check/summary.json");
+    let summary: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(at).expect("summary")).expect("json");
+    let answer = summary["answer"].as_str().unwrap_or_default();
+    assert!(answer.starts_with("faulty: differs: "), "{answer}");
+    assert!(
+        summary.to_string().contains(&format!("stage {stage}")) || stage.is_empty(),
+        "{summary}"
+    );
+    let page = std::fs::read_to_string(folder.path().join("out/faulty-check/index.html"));
+    let page = page.expect("a page");
+    assert_eq!(page.contains("Over time: "), !stage.is_empty());
+    let failed = summary["findings"].as_array().into_iter().flatten();
+    let mut failed = failed.filter(|finding| finding["state"] == "failed");
+    let named = failed.any(|finding| {
+        let seen = finding["seen"].as_str().unwrap_or_default();
+        let whole = format!("{}: {seen}", finding["name"].as_str().unwrap_or_default());
+        let dated = seen.contains(" off at t = ") || !quantity.starts_with("sleeve");
+        whole.contains(trial) && seen.contains(quantity) && dated
+    });
+    assert!(named, "{summary}");
+    let junit = std::fs::read_to_string(folder.path().join("j.xml")).expect("junit");
+    let first = junit.lines().find(|line| line.contains("<failure"));
+    assert!(
+        first.is_some_and(|line| line.contains("faulty: differs")),
+        "{junit}"
+    );
+}
+
+/// Tests of a check, one for each fault, as a check takes seconds: fault, trial, quantity and stage.
+macro_rules! checks {
+    ($($test:ident: $fault:literal $trial:literal $quantity:literal $stage:literal;)*) => {
+        $(#[test]
+        fn $test() {
+            check_names($fault, $trial, $quantity, $stage);
+        })*
+    };
+}
+
+checks! {
+    crossval_a_check_passes_own_contacts: "none" "" "" "";
+    crossval_a_check_names_friction: "friction" "friction" "sleeve_force_n_" "law, likely friction: friction of all contacts with the other sign";
+    crossval_a_check_names_curvature: "curvature" "law vectors" "sleeve_force_n_" "law, likely curvature: curvature of the other sign in pits";
+    crossval_a_check_names_inertia: "inertia" "laws" "sleeve_force_n_" "equations, likely inertia: mass of the output pins on the output shaft, missing";
+    crossval_a_check_names_a_phase: "phase" "contacts" "sleeve_force_n_" "start, likely phase: phase of disc 1's eccentric off by 1.000e-3";
+    crossval_a_check_names_a_step: "step" "runs" "the output shaft is" "";
+    crossval_a_check_names_damping: "damping" "contacts" "sleeve_force_n_" "law, likely damping: damping without its ramp";
+    crossval_a_check_names_an_order: "order" "accuracy" "order " "integration: off by";
+    crossval_a_check_names_long_steps: "long-step" "repeats" "longer than solver.step_s" "";
 }
 
 /// A record reports the solver's errors, and keeps the scenes that were not requested.

@@ -49,9 +49,11 @@
       });
       legend.append(item);
     });
+    // Pins, coordinates and orders are counted.
+    const ticks = [...union].every(Number.isInteger) ? [...union] : undefined;
     const handle = PinwheelCharts.chart(host, {
       height: 300,
-      x: { values: [...union], label: chart.x.label, log: chart.x.log, name: (k) => `${chart.x.label}: ${PinwheelCharts.number(union[k], 4)}` },
+      x: { values: [...union], label: chart.x.label, log: chart.x.log, ticks, name: (k) => `${chart.x.label}: ${PinwheelCharts.number(union[k], 4)}` },
       y: { label: chart.y.label, log: chart.y.log },
       series,
       describe: `${chart.title}: ${chart.y.label} over ${chart.x.label}, ${series.length} curves`,

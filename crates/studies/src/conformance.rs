@@ -435,7 +435,7 @@ impl Trials<'_> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
             && self.stages.get().is_none()
-            && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, &self.control)?
+            && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
         {
             let found = self.stages.get_or_init(|| found);
             return failed(format!("{why}; {}", found.sentence()));

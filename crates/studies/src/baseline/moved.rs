@@ -55,6 +55,7 @@ pub(super) fn stage(
             times_s: &times[..times.len() * windows / WINDOWS],
             written: &written.collect::<Vec<_>>().concat(),
             bound: own.fold(MOVED[rubs], f64::max),
+            evaluations: u64::MAX,
         };
         let moved = of_kept(&gearbox, &kept_of, &|run| {
             let mut whole = TimeSeries::new(times.clone()).unwrap_or_default();
@@ -86,7 +87,7 @@ pub(super) fn stage(
         return Ok((stage.to_owned(), false));
     };
     let engine = by_name(name, &gearbox.scene);
-    let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, &control));
+    let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, None, &control));
     let found = found.transpose()?.flatten();
     let untold = || "not told: it does not run".to_owned();
     Ok((found.map_or_else(untold, |found| found.words()), false))

@@ -2,12 +2,11 @@
 
 use std::cmp::Reverse;
 
-use pinwheel_gearbox::Gearbox;
 use serde::Serialize;
 
 use super::fit::{Fit, dot, fit, less, sizes, slope};
 use super::judged::{EXPLAINED, ROUNDING, SURE, Stage, percent};
-use super::model::{Change, Changes, Model};
+use super::model::{Change, Changes, Model, Work};
 use super::suspects::{self, Size, Suspect};
 
 /// A likely cause.
@@ -81,26 +80,24 @@ const LIGHTEST: f64 = 1e-9;
 const LEAST: f64 = 0.05;
 /// Changes, and pairs of changes, that are followed.
 const FOLLOWED: usize = 6;
-/// Standard errors that each size of a pair is above 0.
+/// Standard errors that each size is above 0.
 const CLEAR: f64 = 10.0;
 
 /// Fits every suspect that is asked for to a run's values and the native ones, and returns the best that explains at least `least`.
 /// Two may where one explains too little and the step's own error is known.
 pub(super) fn cause(
-    gearbox: &Gearbox,
+    work: &Work<'_>,
     [run, native]: [&[f64]; 2],
     least: f64,
     is_asked: fn(&Suspect) -> bool,
     values: Values<'_>,
 ) -> Option<Found> {
-    let mut suspects = suspects::of(gearbox);
+    let mut suspects = suspects::of(work.gearbox);
     suspects.retain(is_asked);
     let predict = |of: &[usize], sizes: &[f64]| {
         let of = of.iter().map(|k| &suspects[*k].change);
-        values(&mut Model::new(
-            gearbox,
-            of.zip(sizes.iter().copied()).collect(),
-        )?)
+        let changes = of.zip(sizes.iter().copied()).collect();
+        values(&mut Model::new(work, changes).filter(|_| work.left() > 0)?)
     };
     let slopes = |k: usize| {
         let near = &mut |sizes: &[f64]| predict(&[k], sizes);
@@ -128,7 +125,7 @@ pub(super) fn cause(
                 predict(&of, sizes)
             })?;
             let mut sizes = fit.sizes.iter();
-            let is_clear = of.len() == 1 || sizes.all(|[size, error]| size.abs() > CLEAR * error);
+            let is_clear = sizes.all(|[size, error]| size.abs() > CLEAR * error);
             (fit.explained >= least && is_clear).then_some((of, fit))
         });
         let fits: Vec<(Vec<usize>, Fit)> = fits.collect();
@@ -168,38 +165,27 @@ pub(super) fn cause(
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
         found = best(nearest(pairs.collect()), SURE);
     }
-    let (of, fit) = found?;
+    // The best may be among those that were not followed.
+    let (of, fit) = found.filter(|_| work.left() > 0)?;
     let part = |(&k, &[size, plus_minus]): (&usize, &[f64; 2])| {
-        let Suspect {
-            stage,
-            cause,
-            what,
-            size: kind,
-            ..
-        } = &suspects[k];
-        let what = kind.words(what, size, plus_minus);
+        let suspect = &suspects[k];
         Part {
-            stage: *stage,
-            word: cause,
-            what,
+            stage: suspect.stage,
+            word: suspect.cause,
+            what: suspect.size.words(&suspect.what, size, plus_minus),
             size,
             plus_minus,
         }
     };
     let parts = of.iter().zip(&fit.sizes).map(part).collect();
-    let (explained, distance) = (fit.explained, None);
-    let changes = suspects
-        .into_iter()
-        .enumerate()
-        .filter(|(k, _)| of.contains(k));
-    Some((
-        Cause {
-            parts,
-            explained,
-            distance,
-        },
-        changes.map(|(_, suspect)| suspect.change).collect(),
-    ))
+    let cause = Cause {
+        parts,
+        explained: fit.explained,
+        distance: None,
+    };
+    let changes = suspects.into_iter().enumerate();
+    let changes = changes.filter(|(k, _)| of.contains(k));
+    Some((cause, changes.map(|(_, suspect)| suspect.change).collect()))
 }
 
 impl Suspect {
@@ -209,15 +195,11 @@ impl Suspect {
             Size::Angle => 1e-6,
             Size::Factor | Size::Switch => 1e-4,
         };
-        let is_mass = matches!(self.change, Change::Mass(_));
-        [
-            small,
-            if is_mass {
-                LIGHTEST - 1.0
-            } else {
-                f64::NEG_INFINITY
-            },
-        ]
+        let least = match self.change {
+            Change::Mass(_) => LIGHTEST - 1.0,
+            _ => f64::NEG_INFINITY,
+        };
+        [small, least]
     }
 }
 

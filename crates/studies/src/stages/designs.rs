@@ -8,7 +8,7 @@ use super::fit::dot;
 use super::forces::{Columns, rows};
 use super::judged::{FLOW, Judged, ROUNDING, SAMPLES, Stage};
 use super::locate::{Located, by_columns, start};
-use super::model::Model;
+use super::model::{Model, Work};
 use super::motion::{Sample, numbered, strengths};
 use super::states;
 
@@ -25,7 +25,8 @@ impl<'a> Course<'a> {
     /// Follows a model from its start; `None` where it has no reduced form.
     #[must_use]
     pub fn of(gearbox: &'a Gearbox) -> Option<Self> {
-        let mut model = Model::new(gearbox, Vec::new())?;
+        let work = Work::new(gearbox, u64::MAX);
+        let mut model = Model::new(&work, Vec::new())?;
         let step = SAMPLE_RAD / Frequencies::of(&gearbox.scene).contact_rad_s;
         let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
         let begun = model.start();
@@ -41,7 +42,11 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     if a.layout != b.layout || a.floats() != b.floats() {
         return None;
     }
-    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+    let works = [a, b].map(|gearbox| Work::new(gearbox, u64::MAX));
+    let both = works.each_ref().map(|work| Model::new(work, Vec::new()));
+    let [Some(mut first), Some(mut second)] = both else {
+        return None;
+    };
     let written = rows(&mut first, samples);
     // A pin that turns in one alone does there as at the start.
     let places = |y: &[f64], from: &[usize], to: &[usize], otherwise: &[f64]| -> Vec<f64> {
@@ -119,8 +124,8 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let located = Located {
         run: b.scene.name.clone(),
         stages,
-        cause: None,
         pictures,
+        ..Located::default()
     };
     Some(located.seen())
 }

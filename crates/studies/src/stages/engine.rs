@@ -1,5 +1,7 @@
 //! An engine's run with its states, and one with a smaller step.
 
+use std::cell::Cell;
+
 use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_timeseries::TimeSeries;
@@ -7,18 +9,29 @@ use pinwheel_timeseries::TimeSeries;
 use super::judged::{ORDER_MARGIN, Stage};
 use super::kept::of_record;
 use super::locate::{Located, Runs, locate};
-use super::{model, states};
+use super::states;
 
-/// Samples that a run to be judged has at least.
-const LEAST: f64 = 100.0;
+/// Samples of a run to be judged, those after its departure, and those of a run of unknown cost that judging is measured by.
+const SAMPLES: f64 = 100.0;
+const AFTER: f64 = 20.0;
+const SHORTEST: f64 = 1500.0;
+/// Evaluations of the shortest run that judging is measured by, and those that the search for what is off may take after any run:
+/// some hundredths, and some tenths of a second.
+const LEAST: u64 = 20_000;
+pub(super) const SEARCH: u64 = 150_000;
 /// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
 const STEP: f64 = 4.0;
 const TOLERANCE: [f64; 2] = [100.0, 4.0];
 /// Times that it is made smaller while the motion is off and nothing explains it.
 const LEVELS: i32 = 2;
+/// Cost of a run and of one with a smaller step, with half as much for judging them.
+const COST: f64 = 1.5 * (1.0 + STEP);
+/// Share of what is left that a run with a smaller step may take, and the least number of its samples.
+const REST: f64 = 0.6;
+const FEWEST: usize = 10;
 
-/// Runs a scene on an engine, until `until_s` at least and with samples that its vibration shows, and judges its stages. `None`:
-/// it does not run, or the scene has no reduced form.
+/// Runs a scene on an engine, until `until_s` and with samples that its vibration shows, and judges its stages at the cost of a
+/// whole run: so many `evaluations` of forces, if known. `None`: it does not run, or the scene has no reduced form.
 ///
 /// # Errors
 /// A stop.
@@ -26,37 +39,71 @@ pub fn of_engine(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     until_s: f64,
+    evaluations: Option<u64>,
     control: &Control<'_>,
 ) -> Result<Option<Located>, Cancelled> {
-    let Some(native) = model::Model::new(gearbox, Vec::new()) else {
+    let Some(states) = states::Columns::native(gearbox) else {
         return Ok(None);
     };
-    let states = states::Columns::of(gearbox, native.free());
     let rad_s = Frequencies::of(&gearbox.scene).contact_rad_s;
-    let Ok(short) = gearbox.with_channels(states.channels()) else {
-        return Ok(None);
+    let solver = &gearbox.scene.solver;
+    let steps = (rad_s * solver.step_s).recip().floor().max(1.0);
+    let sample_s = solver.sample_s.min(steps * solver.step_s);
+    let whole_s = match evaluations {
+        Some(all) => solver.duration_s * (LEAST as f64 / all as f64).max(1.0),
+        None => solver.duration_s.max(SHORTEST * sample_s),
     };
-    let short = short.with_solver(|solver| {
-        let steps = (rad_s * solver.step_s).recip().floor().max(1.0);
-        solver.sample_s = solver.sample_s.min(steps * solver.step_s);
-        let long = (LEAST * solver.sample_s).max(until_s + 0.2 * LEAST * solver.sample_s);
-        solver.duration_s = solver.duration_s.min(long);
+    let asked_s = until_s + AFTER * sample_s;
+    let long_s = asked_s.max(SAMPLES * sample_s).min(whole_s / COST);
+    let short = gearbox.with_channels(states.channels()).map(|gearbox| {
+        gearbox.with_solver(|solver| {
+            solver.sample_s = sample_s;
+            solver.duration_s = solver.duration_s.min(long_s);
+        })
     });
-    let Ok(short) = short else { return Ok(None) };
-    let run = |gearbox: &Gearbox| -> Result<Option<TimeSeries>, Cancelled> {
-        let run = engine.run_compiled(gearbox, control)?;
-        Ok(run.ending.is_finished().then_some(run.time_series))
-    };
-    let Some(mut own) = run(&short)? else {
+    let Ok(Ok(short)) = short else {
         return Ok(None);
+    };
+    // Evaluations so far.
+    let taken = Cell::new(0);
+    let run = |gearbox: &Gearbox| -> Result<Option<(TimeSeries, u64)>, Cancelled> {
+        let run = engine.run_compiled(gearbox, control)?;
+        let solver = &gearbox.scene.solver;
+        let stated = (solver.duration_s / solver.step_s) as u64;
+        let counts = [run.stats.rhs_calls, run.stats.steps, stated];
+        let count = counts.into_iter().find(|count| *count > 0).unwrap_or(1);
+        taken.set(taken.get() + count);
+        Ok(run.ending.is_finished().then_some((run.time_series, count)))
+    };
+    let Some((mut own, mut count)) = run(&short)? else {
+        return Ok(None);
+    };
+    let whole = match evaluations {
+        Some(all) => all.max(LEAST),
+        None => (count as f64 * whole_s / short.scene.solver.duration_s) as u64,
     };
     let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>| {
         let name = engine.name();
         // Without states the columns alone may show a cause.
-        let by_columns = || of_record(gearbox, name, run);
+        let left = [whole, whole.max(SEARCH)].map(|most| most.saturating_sub(taken.get()));
+        let by_columns = || of_record(gearbox, name, run, left[1]);
         let is_blind = !states.missing(run).is_empty();
         let found = is_blind.then(by_columns).flatten();
-        found.or_else(|| locate(gearbox, Runs { name, run, finer }))
+        let runs = Runs {
+            name,
+            run,
+            finer,
+            evaluations: left,
+        };
+        let mut found = found.or_else(|| locate(gearbox, runs))?;
+        taken.set(taken.get() + found.evaluations[0]);
+        found.evaluations = [taken.get(), whole];
+        if found.first().is_none() && long_s < asked_s {
+            found.left_out = Some(format!(
+                "it departs at t = {until_s:.3e} s, and the cost of a run reaches to {long_s:.3e} s"
+            ));
+        }
+        Some(found)
     };
     let Some(refinement) = engine.info().refinement else {
         return Ok(judge(&own, None));
@@ -68,13 +115,27 @@ pub fn of_engine(
         }
         AccuracySetting::Tolerance => (TOLERANCE[0], TOLERANCE[1]),
     };
-    let mut located = None;
+    let mut located: Option<Located> = None;
+    let mut cost = STEP * count as f64;
     for level in 1..=LEVELS {
-        let fine = short.with_solver(|solver| match refinement.knob {
-            AccuracySetting::Step => solver.step_s /= by.powi(level),
-            AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
+        // A smaller step may have the time for some of the samples alone.
+        let most = if level > 1 { whole.max(SEARCH) } else { whole };
+        let share = (REST * most.saturating_sub(taken.get()) as f64 / cost).min(1.0);
+        let last = (share * (own.len() - 1) as f64) as usize;
+        if let Some(open) = located.take_if(|_| last < FEWEST) {
+            return Ok(Some(open.unconfirmed()));
+        }
+        let last = last.clamp(FEWEST.min(own.len() - 1), own.len() - 1);
+        own = own.select(&(0..=last).collect::<Vec<_>>());
+        let until = own.time_s()[last];
+        let fine = short.with_solver(|solver| {
+            solver.duration_s = until;
+            match refinement.knob {
+                AccuracySetting::Step => solver.step_s /= by.powi(level),
+                AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
+            }
         });
-        let Some(finer) = fine.ok().map(|fine| run(&fine)).transpose()?.flatten() else {
+        let Some((finer, more)) = fine.ok().map(|fine| run(&fine)).transpose()?.flatten() else {
             return Ok(located.or_else(|| judge(&own, None)));
         };
         located = judge(&own, Some((&finer, falls)));
@@ -84,7 +145,8 @@ pub fn of_engine(
         if !located.as_ref().is_some_and(is_open) {
             break;
         }
-        own = finer;
+        cost = (more as f64).powi(2) / (count as f64 * share);
+        (own, count) = (finer, more);
     }
     Ok(located)
 }

@@ -11,6 +11,8 @@ pub(super) struct Fit {
 
 /// Gauss-Newton steps.
 const STEPS: usize = 8;
+/// Share of the residual's square that no cause leaves.
+const HOPELESS: f64 = 0.1;
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -106,7 +108,10 @@ pub(super) fn fit(
             .all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
         let gained = dot(&left, &left) - dot(&rest, &rest);
         (at, left, values) = (next, rest, found);
-        if is_still || gained <= 1e-12 * whole {
+        // A change that is no cause soon gains little.
+        let rest = dot(&left, &left);
+        if is_still || gained <= 1e-12 * whole || (rest > HOPELESS * whole && gained < 0.05 * rest)
+        {
             break;
         }
     }

@@ -114,10 +114,22 @@ impl Columns {
     pub(super) fn search(&self, both: bool) -> (f64, String) {
         let mut first = None;
         let mut count = 0;
+        // A law that is off may let go of a contact.
+        let is_both = |(k, column): &(usize, usize)| {
+            self.written[*k][*column] != 0.0 && self.native[*k][*column] != 0.0
+        };
+        let all = (0..self.times.len()).flat_map(|k| self.forces().map(move |column| (k, column)));
+        let law = all
+            .filter(is_both)
+            .map(|(k, column)| self.off(k, column).abs());
+        let law = law.fold(0.0, f64::max);
         for k in 0..self.times.len() {
             for column in self.forces() {
                 let misses = self.written[k][column] == 0.0;
-                if self.has_one_contact(k, column) && (both || !misses) {
+                if self.has_one_contact(k, column)
+                    && self.off(k, column).abs() > law
+                    && (both || !misses)
+                {
                     count += 1;
                     first.get_or_insert((column, self.times[k], misses));
                 }

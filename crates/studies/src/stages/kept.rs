@@ -7,7 +7,7 @@ use pinwheel_timeseries::{TimeSeries, columns};
 use super::cause::{Values, cause};
 use super::judged::{Judged, SURE, Stage};
 use super::locate::{Located, Runs, SHOWN, locate};
-use super::model::Model;
+use super::model::{Model, Work};
 use super::suspects::Suspect;
 use super::{forces, motion, states};
 
@@ -21,6 +21,8 @@ pub(crate) struct Kept<'a> {
     pub written: &'a [f64],
     /// Root mean square of their changes that is none.
     pub bound: f64,
+    /// Evaluations of forces that judging them may take.
+    pub evaluations: u64,
 }
 
 /// Looks for the cause that explains what was kept of a run. `figures` are those of columns at the run's samples. `None`: they are
@@ -30,7 +32,8 @@ pub(crate) fn of_kept(
     kept: &Kept<'_>,
     figures: &dyn Fn(&TimeSeries) -> Vec<f64>,
 ) -> Option<Located> {
-    let mut native = Model::new(gearbox, Vec::new())?;
+    let work = &Work::new(gearbox, kept.evaluations);
+    let mut native = Model::new(work, Vec::new())?;
     let begun = native.start();
     let is_at_rest = gearbox.scene.drive.start != Start::Kinematic;
     let values: Values<'_> = &|model: &mut Model<'_>| {
@@ -47,7 +50,7 @@ pub(crate) fn of_kept(
     if off <= kept.bound {
         return None;
     }
-    let found = cause(gearbox, [kept.written, &base], SURE, Suspect::moves, values);
+    let found = cause(work, [kept.written, &base], SURE, Suspect::moves, values);
     let cause = found.map(|(cause, _)| cause);
     let columns = states::Columns::of(gearbox, native.free()).patterns();
     let note = format!("states were not stored; needs {}", columns.join(", "));
@@ -61,7 +64,8 @@ pub(crate) fn of_kept(
         run: kept.name.to_owned(),
         stages: Stage::ALL.map(stage).into(),
         cause,
-        pictures: Vec::new(),
+        evaluations: [work.taken(), kept.evaluations],
+        ..Located::default()
     })
 }
 
@@ -92,8 +96,13 @@ fn followed(
 const RECORD: f64 = 1e-3;
 
 /// Judges a record that has all columns of a gear, by its states where it has them; only a known cause names a stage.
-pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> Option<Located> {
-    let states = states::Columns::of(gearbox, Model::new(gearbox, Vec::new())?.free());
+pub(super) fn of_record(
+    gearbox: &Gearbox,
+    name: &str,
+    record: &TimeSeries,
+    evaluations: u64,
+) -> Option<Located> {
+    let states = states::Columns::native(gearbox)?;
     let names = forces::names(gearbox.layout);
     let of: Option<Vec<&[f64]>> = names.iter().map(|name| record.channel(name)).collect();
     let of = of?;
@@ -101,8 +110,13 @@ pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> O
     let rows: Vec<usize> = (0..record.len()).filter(is_known).collect();
     let run = record.select(&rows);
     if states.missing(&run).is_empty() {
-        let (run, finer) = (&run, None);
-        let found = locate(gearbox, Runs { name, run, finer })?;
+        let runs = Runs {
+            name,
+            run: &run,
+            finer: None,
+            evaluations: [evaluations; 2],
+        };
+        let found = locate(gearbox, runs)?;
         let mut cause = found.cause.iter();
         return cause.any(|cause| cause.explained >= SURE).then_some(found);
     }
@@ -127,6 +141,7 @@ pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> O
         times_s: times,
         written,
         bound,
+        evaluations,
     };
     of_kept(gearbox, &kept, &figures).filter(|found| found.cause.is_some())
 }

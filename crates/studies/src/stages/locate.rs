@@ -9,14 +9,14 @@ use serde::Serialize;
 
 use super::cause::{Cause, cause, changes};
 use super::judged::{EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
-use super::model::{Changes, Model};
+use super::model::{Changes, Model, Work};
 use super::motion::{self, Motion};
 use super::pictures::Picture;
 use super::suspects::Suspect;
 use super::{forces, states};
 
 /// Answer to the question which stage of a run differs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Located {
     /// Who ran.
     pub run: String,
@@ -26,6 +26,10 @@ pub struct Located {
     pub cause: Option<Cause>,
     /// Residuals of the stages that are off.
     pub pictures: Vec<Picture>,
+    /// Evaluations of forces that judging took, and those that it might take: as many as the run itself.
+    pub evaluations: [u64; 2],
+    /// What would have cost more than the run and was left out, in words.
+    pub left_out: Option<String>,
 }
 
 impl Located {
@@ -49,15 +53,22 @@ impl Located {
         let Some(first) = self.first() else {
             let mut blind = self.stages.iter();
             let blind = blind.find(|judged| judged.residual.is_none());
-            return blind.map_or_else(
-                || "no stage differs beyond the error of its step".to_owned(),
-                |judged| format!("no stage that can be checked differs: {}", judged.note),
-            );
+            return match (blind, &self.left_out) {
+                (Some(judged), _) => {
+                    format!("no stage that can be checked differs: {}", judged.note)
+                }
+                (None, Some(left_out)) => format!("no stage differs; {left_out}"),
+                (None, None) => "no stage differs beyond the error of its step".to_owned(),
+            };
         };
         match &self.cause {
             Some(cause) => format!("{}, {}", first.name(), cause.words()),
             None if first == Stage::Integration => self.off(),
-            None => self.off() + "; no known fault explains it",
+            None => {
+                let left_out = self.left_out.as_deref();
+                let why = left_out.unwrap_or("no known fault explains it");
+                format!("{}; {why}", self.off())
+            }
         }
     }
 
@@ -83,6 +94,16 @@ impl Located {
         self
     }
 
+    /// Withdraws the judgement of the motion, which a still smaller step has to confirm.
+    pub(super) fn unconfirmed(mut self) -> Self {
+        let note = "a still smaller step would tell, at more than the cost of the run";
+        let motion = self.stages.iter_mut().filter(|judged| {
+            judged.is_off() && [Stage::Equations, Stage::Integration].contains(&judged.stage)
+        });
+        motion.for_each(|judged| *judged = Judged::untold(judged.stage, note));
+        self.seen()
+    }
+
     /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
     pub fn in_full(&self) -> String {
         let distance = self.cause.as_ref().and_then(|cause| cause.distance);
@@ -96,8 +117,12 @@ impl Located {
 
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
-/// One of so many intervals is fitted by changes of the model, each of which costs two flows or more; without friction and with it.
-const FITTED: [usize; 2] = [6, 4];
+/// Intervals that are fitted by changes of the model, each of which costs two flows or more; without friction and with it.
+const FITTED: [usize; 2] = [7, 10];
+/// Least number of intervals that are judged; more take half of the evaluations that are left at most.
+const INTERVALS: usize = 8;
+/// Distance of a run from a native one with its cause, relative.
+const WITH: f64 = 0.05;
 /// Samples of the native run that shows a cause.
 pub(super) const SHOWN: usize = 60;
 
@@ -110,20 +135,21 @@ pub struct Runs<'a> {
     pub run: &'a TimeSeries,
     /// A run on the same samples with a smaller step or tolerance, and how far its error should fall.
     pub finer: Option<(&'a TimeSeries, f64)>,
+    /// Evaluations of forces that judging it may take, without and with the search for a cause.
+    pub evaluations: [u64; 2],
 }
 
 /// Judges every stage of a run, and looks for the cause where one is off. `None`: the scene has no reduced form, or the run lacks
 /// columns that every run has.
 pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
-    let mut native = Model::new(gearbox, Vec::new())?;
+    let work = &Work::new(gearbox, runs.evaluations[0]);
+    let mut native = Model::new(work, Vec::new())?;
     let states = states::Columns::of(gearbox, native.free());
     let best = runs.finer.map_or(runs.run, |(finer, _)| finer);
     let missing = states.missing(best);
     let mut located = Located {
         run: runs.name.to_owned(),
-        stages: Vec::new(),
-        cause: None,
-        pictures: Vec::new(),
+        ..Located::default()
     };
     let mut samples = motion::samples(gearbox, &states, best, SAMPLES);
     let start = match samples.first().filter(|first| first.time_s == 0.0) {
@@ -167,52 +193,46 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     located.stages = vec![start];
     located.stages.extend(by_columns(&columns, rough.as_ref()));
     let of_columns = || {
+        work.allow(runs.evaluations[1]);
         let [written, base] = [&columns.written, &columns.native].map(|rows| columns.stacked(rows));
         let both = [&written[..], &base[..]];
-        cause(
-            gearbox,
-            both,
-            EXPLAINED,
-            Suspect::shows_in_columns,
-            &|model| Some(columns.stacked(&forces::rows(model, &samples))),
-        )
+        cause(work, both, EXPLAINED, Suspect::shows_in_columns, &|model| {
+            Some(columns.stacked(&forces::rows(model, &samples)))
+        })
     };
     let off = |located: &Located, stages: &[Stage]| {
         let mut of = located.stages.iter();
         of.any(|judged| stages.contains(&judged.stage) && judged.is_off())
     };
+    let motion = [Stage::Equations, Stage::Integration];
+    let untold = |note: &str| motion.map(|stage| Judged::untold(stage, note));
     let mut found = None;
     let hides = [Stage::ContactSearch, Stage::Law, Stage::Assembly];
     let is_loaded = load_profile::largest(&gearbox.scene.drive) > 0.0;
     if off(&located, &hides) || !is_loaded {
-        let note = match is_loaded {
+        located.stages.extend(untold(match is_loaded {
             true => "hidden by an earlier stage",
             false => "needs a load, by whose work the motion is measured",
-        };
-        let stages = [Stage::Equations, Stage::Integration];
-        let untold = stages.map(|stage| Judged::untold(stage, note));
-        located.stages.extend(untold);
+        }));
         if off(&located, &Stage::ALL) {
             found = of_columns();
         }
-    } else if let Some(fine) = Motion::of(gearbox, &mut native, &states, best, &samples) {
-        let rough = runs.finer.and_then(|(_, falls)| {
-            let rough = Motion::of(gearbox, &mut native, &states, runs.run, &samples)?;
-            Some((rough, falls))
-        });
-        let rougher = rough.as_ref().map(|(rough, _)| rough);
-        let pictures = fine.pictures(rougher, &states.coordinates);
+    } else if let Some((fine, samples)) = judged_motion(work, &mut native, &states, best) {
+        let finer = runs.finer.map(|(_, falls)| falls);
+        let rough =
+            finer.and_then(|_| Motion::of(gearbox, &mut native, &states, runs.run, &samples));
+        let rough = rough.as_ref();
+        let pictures = fine.pictures(rough, &states.coordinates);
         located.pictures.extend(pictures);
-        located
-            .stages
-            .extend(fine.judged(rough.as_ref().map(|(rough, falls)| (rough, *falls))));
+        located.stages.extend(fine.judged(rough.zip(finer)));
         if fine.size() > FLOW && (rough.is_none() || off(&located, &[Stage::Equations])) {
-            let few = fine.one_of(FITTED[usize::from(gearbox.has_friction())]);
-            let [reached, base] = [&few.reached, &few.flowed].map(|states| few.stacked(states));
+            work.allow(runs.evaluations[1]);
+            let few = fine.few(FITTED[usize::from(gearbox.has_friction())]);
+            let [reached, base] = few.ends();
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
             let both = [&reached[..], &base[..]];
-            found = cause(gearbox, both, sure, Suspect::moves_alone, &|model| {
-                Some(few.stacked(&few.flows(model)?))
+            found = cause(work, both, sure, Suspect::moves_alone, &|model| {
+                few.flows(model)
             });
         }
         let alone = found.is_none() && fine.is_alone();
@@ -230,6 +250,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         if found.is_none() && off(&located, &[Stage::Driver]) {
             found = of_columns();
         }
+    } else {
+        let note = "the native motion from its states ends early";
+        located.stages.extend(untold(note));
     }
     located.stages.sort_by_key(|judged| judged.stage);
     let shown = found.map(|found| {
@@ -237,7 +260,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         // What is written otherwise moves nothing.
         let moves = changes.iter().any(|(change, _)| change.moves());
         let distance = moves
-            .then(|| distance(gearbox, changes, &states, best))
+            .then(|| distance(work, changes, &states, best))
             .flatten();
         Cause {
             distance,
@@ -247,9 +270,38 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     // A native run has to come nearer with it, unless it was there.
     located.cause = shown.filter(|cause| {
         let mut distance = cause.distance.iter();
-        distance.all(|[without, with]| *without < NEAR || *with <= 0.5 * without)
+        distance.all(|[without, with]| *without < NEAR || *with <= WITH.min(0.5 * without))
     });
+    if located.cause.is_none() && work.taken() >= runs.evaluations[1] && off(&located, &Stage::ALL)
+    {
+        located.left_out = Some("the search for its cause ended at the cost of the run".to_owned());
+    }
+    located.evaluations = [work.taken(), runs.evaluations[0]];
     Some(located.seen())
+}
+
+/// The motion of a run over as many intervals as there are evaluations for, and the samples at which they begin. `None`: the native
+/// flow does not come through.
+fn judged_motion(
+    work: &Work<'_>,
+    native: &mut Model<'_>,
+    states: &states::Columns,
+    run: &TimeSeries,
+) -> Option<(Motion, Vec<motion::Sample>)> {
+    let mut of = |most: usize| {
+        let samples = motion::samples(work.gearbox, states, run, most);
+        let motion = Motion::of(work.gearbox, native, states, run, &samples)?;
+        Some((motion, samples))
+    };
+    let before = work.taken();
+    let first = of(INTERVALS)?;
+    let each = (work.taken() - before) / INTERVALS as u64;
+    // Those of a run with a larger step cost as much.
+    let most = work.left() / (4 * each.max(1));
+    match most as usize {
+        ..=INTERVALS => Some(first),
+        most => of(most.min(SAMPLES)),
+    }
 }
 
 /// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
@@ -287,10 +339,13 @@ pub(super) fn start(
     let most = told.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
     let of = &coordinates[most % count];
     let kind = if most < count { "" } else { "rate of " };
-    let note = format!(
-        "{kind}{of} is {:.6} for {:.6} at t = 0",
-        first[most], known[most]
-    );
+    let note = match off[most] {
+        0.0 => String::new(),
+        _ => format!(
+            "{kind}{of} is {:.6} for {:.6} at t = 0",
+            first[most], known[most]
+        ),
+    };
     let both = (0..count).map(|k| off[k].max(off[count + k])).collect();
     (
         Judged::told(Stage::Start, off[most], ROUNDING, note),
@@ -300,17 +355,17 @@ pub(super) fn start(
 
 /// Relative L2 distance of a run's forces from the native flow that starts where it starts, without changes and with them.
 fn distance(
-    gearbox: &Gearbox,
+    work: &Work<'_>,
     changes: Changes<'_>,
     states: &states::Columns,
     run: &TimeSeries,
 ) -> Option<[f64; 2]> {
     let times = &run.time_s()[..run.len().min(SHOWN)];
     let of = |changes| {
-        let mut model = Model::new(gearbox, changes)?;
+        let mut model = Model::new(work, changes)?;
         let all = model.follow(times[0], &states.at(run, 0), times)?;
         let samples = motion::numbered(times, all);
-        Some(forces::Columns::of(gearbox, &mut model, run, &samples)?.distance())
+        Some(forces::Columns::of(work.gearbox, &mut model, run, &samples)?.distance())
     };
     Some([of(Vec::new())?, of(changes)?])
 }

@@ -1,14 +1,55 @@
 //! The native equations with one change: columns at a given state, and the flow from it.
 
+use std::cell::Cell;
+
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_mbs::integrators::{Segments, StepSettings, Stepper as _};
 use pinwheel_mbs::{
-    BodyState, Detail, Forces, Formulation as _, Mechanism, OdeSystem, Reduced, Structure, Wrench,
-    add_pair,
+    BodyState, Detail, Evaluation, Forces, Formulation as _, Jacobian, Mechanism, OdeSystem,
+    Reduced, Structure, Wrench, add_pair,
 };
 use pinwheel_scene::{Layout, Scene, Start, load_profile};
+
+/// A gear, and how many evaluations of its equations judging a run of it took and may take.
+pub(super) struct Work<'a> {
+    pub(super) gearbox: &'a Gearbox,
+    /// Number of evaluations so far, and the most.
+    taken: Cell<u64>,
+    most: Cell<u64>,
+}
+
+impl<'a> Work<'a> {
+    /// Creates the work on a gear that may take so many evaluations.
+    pub(super) fn new(gearbox: &'a Gearbox, most: u64) -> Self {
+        let [taken, most] = [0, most].map(Cell::new);
+        Self {
+            gearbox,
+            taken,
+            most,
+        }
+    }
+
+    /// Number of evaluations so far.
+    pub(super) fn taken(&self) -> u64 {
+        self.taken.get()
+    }
+
+    /// Number of evaluations that are left.
+    pub(super) fn left(&self) -> u64 {
+        self.most.get().saturating_sub(self.taken())
+    }
+
+    /// Lets it take so many evaluations.
+    pub(super) fn allow(&self, most: u64) {
+        self.most.set(most);
+    }
+
+    fn take(&self, evaluations: u64) {
+        self.taken.set(self.taken() + evaluations);
+    }
+}
 
 /// A change of the model, of size p.
 pub(super) enum Change {
@@ -42,6 +83,14 @@ impl Change {
     fn is_step(&self) -> bool {
         matches!(self, Self::Step)
     }
+
+    /// True if applied forces at a state are other than without it.
+    fn is_force(&self) -> bool {
+        !matches!(
+            self,
+            Self::Scene(_) | Self::Mass(_) | Self::Step | Self::Column(..)
+        )
+    }
 }
 
 /// Changes with their sizes; none: the native model.
@@ -57,7 +106,31 @@ struct Altered<'a> {
     changes: Changes<'a>,
 }
 
+impl Altered<'_> {
+    /// True if its forces are those of a gear.
+    fn is_plain(&self) -> bool {
+        !self.changes.iter().any(|(change, _)| change.is_force())
+    }
+}
+
 impl Forces for Altered<'_> {
+    fn work_from_angles(&self) -> bool {
+        self.is_plain() && self.inner.work_from_angles()
+    }
+
+    fn have_derivatives(&self) -> bool {
+        self.is_plain() && self.inner.have_derivatives()
+    }
+
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if self.is_plain() {
+            self.inner.evaluate(t, bodies, request);
+        } else if let Some(loads) = request.loads.as_deref_mut() {
+            self.apply(t, bodies, loads);
+        }
+        request.energy = None;
+    }
+
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.inner.apply(time, bodies, loads);
         let layout = self.layout;
@@ -122,20 +195,23 @@ impl Forces for Altered<'_> {
 /// Equations of a gear with changes.
 pub(super) struct Model<'a> {
     system: Reduced<Altered<'a>>,
-    gearbox: &'a Gearbox,
+    work: &'a Work<'a>,
     changes: Changes<'a>,
 }
 
 /// Error of a step of the flow, as a share of the twist under load: without friction and with it.
-const TOLERANCES: [f64; 2] = [1e-10, 1e-8];
+const TOLERANCES: [f64; 2] = [1e-9, 1e-8];
 /// Factor on it where a run is followed over many samples, of which no stage is judged to so many digits.
 const RUN: f64 = 100.0;
+/// Evaluations that a Jacobian counts as.
+const JACOBIAN: u64 = 4;
 /// Steps of the flow over one interval; more are no flow.
-const STEPS: usize = 4000;
+const STEPS: usize = 400;
 
 impl<'a> Model<'a> {
     /// Returns the equations of a gear with changes; `None` if there is no such gear.
-    pub(super) fn new(gearbox: &'a Gearbox, changes: Changes<'a>) -> Option<Self> {
+    pub(super) fn new(work: &'a Work<'a>, changes: Changes<'a>) -> Option<Self> {
+        let gearbox = work.gearbox;
         let is_key = |change: &Change| matches!(change, Change::Scene(_));
         let altered;
         let used = if changes.iter().any(|(change, _)| is_key(change)) {
@@ -169,7 +245,7 @@ impl<'a> Model<'a> {
         let system = native::reduced(used, mechanism, forces).ok()?;
         Some(Self {
             system,
-            gearbox,
+            work,
             changes,
         })
     }
@@ -192,10 +268,12 @@ impl<'a> Model<'a> {
 
     /// Columns after the time at a state: driver's torque, output's torque, forces of the pins.
     pub(super) fn columns(&mut self, t: f64, y: &[f64]) -> Vec<f64> {
-        let piece = load_profile::piece_at(&self.gearbox.scene.drive, t);
+        let gearbox = self.work.gearbox;
+        let piece = load_profile::piece_at(&gearbox.scene.drive, t);
         let load = piece.torque(t) * self.factor(|change| matches!(change, Change::Load));
-        let first = self.gearbox.layout.external_bodies().start;
+        let first = gearbox.layout.external_bodies().start;
         self.system.restart_at(t);
+        self.work.take(1);
         let seen = self.system.observe(t, y, Detail::Forces);
         let output = seen.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
         let forces = seen.loads[first..].iter();
@@ -234,12 +312,13 @@ impl<'a> Model<'a> {
     /// States at `times` from the state `y` at `from`, s, as [`flow`](Self::flow).
     pub(super) fn follow(&mut self, from: f64, y: &[f64], times: &[f64]) -> Option<Vec<Vec<f64>>> {
         let (first, last) = (*times.first()?, *times.last()?);
-        let rough = self.gearbox.has_friction();
+        let gearbox = self.work.gearbox;
+        let rough = gearbox.has_friction();
         let settings = StepSettings {
             step: 0.1 * (first - from).max((last - from) / times.len() as f64),
             tolerance: TOLERANCES[usize::from(rough)] * if times.len() > 1 { RUN } else { 1.0 },
         };
-        let mut breaks = load_profile::breaks(&self.gearbox.scene.drive);
+        let mut breaks = load_profile::breaks(&gearbox.scene.drive);
         breaks.retain(|&time| time < last);
         breaks.push(last);
         let method = if rough { "rodas5p" } else { "dop853" };
@@ -267,6 +346,7 @@ impl OdeSystem for Model<'_> {
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.work.take(1);
         self.system.derivative(t, y, dydt);
         let step = self.factor(Change::is_step);
         dydt.iter_mut().for_each(|value| *value *= step);
@@ -277,6 +357,11 @@ impl OdeSystem for Model<'_> {
             1.0 => self.system.structure(),
             _ => Structure::FirstOrder,
         }
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
+        self.work.take(JACOBIAN);
+        self.factor(Change::is_step) == 1.0 && self.system.jacobian(t, y, jacobian)
     }
 
     fn scale(&self, y: &[f64], scale: &mut [f64]) {

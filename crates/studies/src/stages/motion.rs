@@ -5,7 +5,7 @@ use pinwheel_scene::{Layout, load_profile};
 use pinwheel_timeseries::TimeSeries;
 
 use super::fit::{dot, less};
-use super::judged::{FLOW, Judged, SMALL, Stage};
+use super::judged::{FLOW, Judged, ROUNDING, SMALL, Stage};
 use super::model::Model;
 use super::pictures::Picture;
 use super::states::Columns;
@@ -58,18 +58,39 @@ pub(super) fn numbered(times: &[f64], states: Vec<Vec<f64>>) -> Vec<Sample> {
         .collect()
 }
 
-/// Ends of intervals that a run reached and those that the native flow reaches from the same states, over which changes weigh by
-/// what the load would do in the interval.
-pub(super) struct Motion {
-    /// Intervals: start and end, s, and the state at the start.
-    intervals: Vec<(f64, f64, Vec<f64>)>,
-    /// Weight of each coordinate in each interval; 0 for pins, which friction holds.
-    weights: Vec<Vec<f64>>,
-    /// States of the run at the ends.
-    pub(super) reached: Vec<Vec<f64>>,
-    /// States by the native flow there.
-    pub(super) flowed: Vec<Vec<f64>>,
+/// An interval between samples, over which changes weigh by what the load would do in it.
+#[derive(Clone)]
+struct Interval {
+    from_s: f64,
+    to_s: f64,
+    start: Vec<f64>,
+    /// Weight of each coordinate and rate; 0 for pins, which friction holds.
+    weights: Vec<f64>,
+    /// State of the run at the end.
+    reached: Vec<f64>,
+    /// State by the native flow there.
+    flowed: Vec<f64>,
 }
+
+impl Interval {
+    fn weighed(&self, state: &[f64]) -> Vec<f64> {
+        let weighed = state.iter().zip(&self.weights);
+        weighed.map(|(value, weight)| value * weight).collect()
+    }
+
+    /// Defect of each coordinate and rate, as a share of what the load would do.
+    fn defect(&self) -> Vec<f64> {
+        self.weighed(&less(&self.reached, &self.flowed))
+    }
+
+    fn size(&self) -> f64 {
+        let defect = self.defect();
+        dot(&defect, &defect).sqrt()
+    }
+}
+
+/// Intervals of a run, with their ends as the run reached them and as the native flow does from the same states.
+pub(super) struct Motion(Vec<Interval>);
 
 impl Motion {
     /// The motion of a run over the intervals that begin at the samples; `None` where the native flow does not come through.
@@ -80,103 +101,69 @@ impl Motion {
         run: &TimeSeries,
         samples: &[Sample],
     ) -> Option<Self> {
-        let times = run.time_s();
-        let intervals: Vec<(f64, f64, Vec<f64>)> = samples
-            .iter()
-            .map(|sample| {
-                (
-                    sample.time_s,
-                    times[sample.number + 1],
-                    columns.at(run, sample.number),
-                )
-            })
-            .collect();
         let strength = strengths(gearbox, native, columns);
-        let weigh = |(from, to, _): &(f64, f64, Vec<f64>)| {
-            let length = to - from;
+        let interval = |sample: &Sample| {
+            let (from_s, to_s) = (sample.time_s, run.time_s()[sample.number + 1]);
+            let start = columns.at(run, sample.number);
+            let length = to_s - from_s;
             let rates = strength.iter().map(|strength| strength / length);
             let places = strength.iter().map(|strength| strength / (length * length));
-            places.chain(rates).collect()
+            Some(Interval {
+                from_s,
+                to_s,
+                weights: places.chain(rates).collect(),
+                reached: columns.at(run, sample.number + 1),
+                flowed: native.flow(from_s, &start, to_s)?,
+                start,
+            })
         };
-        let end = |sample: &Sample| columns.at(run, sample.number + 1);
-        let mut motion = Self {
-            weights: intervals.iter().map(weigh).collect(),
-            intervals,
-            reached: samples.iter().map(end).collect(),
-            flowed: Vec::new(),
-        };
-        motion.flowed = motion.flows(native)?;
-        Some(motion)
-    }
-
-    /// The motion over one of so many intervals.
-    pub(super) fn one_of(&self, many: usize) -> Self {
-        fn thin<T: Clone>(all: &[T], many: usize) -> Vec<T> {
-            all.iter().step_by(many).cloned().collect()
-        }
-        Self {
-            intervals: thin(&self.intervals, many),
-            weights: thin(&self.weights, many),
-            reached: thin(&self.reached, many),
-            flowed: thin(&self.flowed, many),
-        }
-    }
-
-    /// States at the ends of the intervals by a model.
-    pub(super) fn flows(&self, model: &mut Model<'_>) -> Option<Vec<Vec<f64>>> {
-        let flow = |(from, to, y): &(f64, f64, Vec<f64>)| model.flow(*from, y, *to);
-        self.intervals.iter().map(flow).collect()
-    }
-
-    /// States as one weighed vector.
-    pub(super) fn stacked(&self, states: &[Vec<f64>]) -> Vec<f64> {
-        let weighed = |(state, weights): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
-            state
-                .iter()
-                .zip(weights)
-                .map(|(value, weight)| value * weight)
-                .collect()
-        };
-        states.iter().zip(&self.weights).flat_map(weighed).collect()
-    }
-
-    /// Defect of each coordinate and rate over each interval, as a share of what the load would do.
-    fn defects(&self) -> Vec<Vec<f64>> {
-        let [reached, flowed] = [&self.reached, &self.flowed].map(|states| self.stacked(states));
-        let all = less(&reached, &flowed);
-        let width = self.reached.first().map_or(1, Vec::len);
-        all.chunks(width).map(<[f64]>::to_vec).collect()
-    }
-
-    /// Defect of each interval.
-    fn sizes(&self) -> Vec<f64> {
-        let defects = self.defects();
-        defects
+        samples
             .iter()
-            .map(|defect| dot(defect, defect).sqrt())
-            .collect()
+            .map(interval)
+            .collect::<Option<_>>()
+            .map(Self)
+    }
+
+    /// The motion over some `most` of the intervals.
+    pub(super) fn few(&self, most: usize) -> Self {
+        let every = self.0.len().div_ceil(most);
+        Self(self.0.iter().step_by(every).cloned().collect())
+    }
+
+    /// Weighed ends of all intervals: of the run, and by the native flow.
+    pub(super) fn ends(&self) -> [Vec<f64>; 2] {
+        let of = |end: fn(&Interval) -> &Vec<f64>| {
+            let each = self.0.iter().map(|of| of.weighed(end(of)));
+            each.collect::<Vec<_>>().concat()
+        };
+        [of(|of| &of.reached), of(|of| &of.flowed)]
+    }
+
+    /// Weighed ends of all intervals by a model.
+    pub(super) fn flows(&self, model: &mut Model<'_>) -> Option<Vec<f64>> {
+        let flow = |of: &Interval| Some(of.weighed(&model.flow(of.from_s, &of.start, of.to_s)?));
+        let each: Option<Vec<_>> = self.0.iter().map(flow).collect();
+        Some(each?.concat())
     }
 
     /// Pictures of equations and integration. `coordinates`: their names.
     pub(super) fn pictures(&self, rough: Option<&Self>, coordinates: &[String]) -> Vec<Picture> {
-        let times: Vec<f64> = self.intervals.iter().map(|(from, ..)| *from).collect();
-        let sizes = |of: &Self| of.sizes().into_iter().map(|size| vec![size]).collect();
+        let times: Vec<f64> = self.0.iter().map(|of| of.from_s).collect();
+        let sizes = |of: &Self| of.0.iter().map(|of| vec![of.size()]).collect();
         let (fine, rough): (Vec<_>, Option<Vec<_>>) = (sizes(self), rough.map(sizes));
         let mut runs = vec![("smallest step", &fine[..])];
         runs.extend(rough.iter().map(|rough| ("a larger step", &rough[..])));
         let count = coordinates.len();
-        let weights = self
-            .weights
-            .first()
-            .map_or(&[][..], |weights| &weights[..count]);
         // Friction holds pins, whose weight is 0.
+        let weights = self.0.first().map_or(&[][..], |of| &of.weights[..count]);
         let moved: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] > 0.0).collect();
         let names: Vec<String> = moved.iter().map(|k| coordinates[*k].clone()).collect();
-        let row = |defect: &Vec<f64>| {
+        let row = |of: &Interval| {
+            let defect = of.defect();
             let both = moved.iter().map(|k| defect[*k].hypot(defect[count + k]));
             both.collect()
         };
-        let rows: Vec<Vec<f64>> = self.defects().iter().map(row).collect();
+        let rows: Vec<Vec<f64>> = self.0.iter().map(row).collect();
         let pictures = |stage| {
             [
                 Picture::over_time(stage, &times, &runs),
@@ -189,45 +176,53 @@ impl Motion {
             .collect()
     }
 
+    /// Root of the mean of a square over all intervals.
+    fn mean(&self, square: impl Fn(&Interval) -> f64) -> f64 {
+        (self.0.iter().map(square).sum::<f64>() / self.0.len() as f64).sqrt()
+    }
+
     /// Root mean square of the defects.
     pub(super) fn size(&self) -> f64 {
-        let sizes = self.sizes();
-        (sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64).sqrt()
+        self.mean(|of| of.size().powi(2))
     }
 
     /// Defect as a share of what the run's own motion changes: it grows with the motion's amplitude.
     pub(super) fn share(&self) -> f64 {
-        let ends = self.stacked(&self.flowed);
-        let starts = self.intervals.iter().map(|(_, _, y)| y.clone());
-        let starts = self.stacked(&starts.collect::<Vec<_>>());
-        let half = |k: usize| k % self.flowed[0].len() >= self.flowed[0].len() / 2;
-        let changes = ends
-            .iter()
-            .zip(&starts)
-            .enumerate()
-            .filter(|(k, _)| half(*k));
-        let square: f64 = changes.map(|(_, (end, start))| (end - start).powi(2)).sum();
-        self.size() / (square / self.intervals.len() as f64).sqrt()
-    }
-
-    /// Interval of the largest defect, and its share of the square of all.
-    fn peak(&self) -> (usize, f64) {
-        let sizes = self.sizes();
-        let square: f64 = sizes.iter().map(|size| size * size).sum();
-        let place = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
-        place.map_or((0, 0.0), |k| (k, sizes[k] * sizes[k] / square))
+        let change = |of: &Interval| {
+            let all = of.weighed(&less(&of.flowed, &of.start));
+            let rates = &all[all.len() / 2..];
+            dot(rates, rates)
+        };
+        self.size() / self.mean(change)
     }
 
     /// True if one interval has almost all of the defect.
     pub(super) fn is_alone(&self) -> bool {
-        self.peak().1 > ALONE
+        let most = self.0.iter().map(Interval::size).fold(0.0, f64::max);
+        most.powi(2) > ALONE * self.0.len() as f64 * self.size().powi(2)
     }
 
     /// Interval of the largest defect in words.
     fn place(&self) -> String {
         let which = if self.is_alone() { "alone" } else { "most" };
-        let (from, to, _) = &self.intervals[self.peak().0];
-        format!("{which} from t = {from:.4e} to {to:.4e} s")
+        let most = self.0.iter();
+        let most = most.max_by(|a, b| a.size().total_cmp(&b.size()));
+        most.map_or_else(String::new, |of| {
+            format!("{which} from t = {:.4e} to {:.4e} s", of.from_s, of.to_s)
+        })
+    }
+
+    /// True if the run's pins keep their rates, which the native flow changes.
+    fn keeps_pins(&self) -> bool {
+        let turned = |end: fn(&Interval) -> &Vec<f64>| {
+            let each = self.0.iter().flat_map(|of| {
+                let rates = of.start.len() / 2..of.start.len();
+                let pins = rates.filter(|k| of.weights[*k] == 0.0);
+                pins.map(|k| (end(of)[k] - of.start[k]).abs())
+            });
+            each.fold(0.0, f64::max)
+        };
+        turned(|of| &of.reached) < ROUNDING * turned(|of| &of.flowed)
     }
 
     /// Judges equations and integration. `rough`: the motion of the run with a larger step, and how far its defects should have
@@ -241,28 +236,25 @@ impl Motion {
         let fell = rough.share() / self.share();
         // An error of the step alone falls to half at least.
         let bound = size * (fell - 1.0).abs() + FLOW;
-        let equations = Judged::told(Stage::Equations, size, bound, self.place());
+        let place = self.place();
+        let kept = match self.keeps_pins() {
+            true => "pins keep their rates, as where friction is not solved, ",
+            false => "",
+        };
+        let equations = Judged::told(Stage::Equations, size, bound, format!("{kept}{place}"));
         if equations.is_off() && fell < GROWS {
             let note = format!(
-                "grows by {:.1} as the step shrinks, as where steps are solved to a loose tolerance, {}",
-                fell.recip(),
-                self.place()
+                "grows by {:.1} as the step shrinks, as where steps are solved to a loose tolerance, {place}",
+                fell.recip()
             );
             return [
                 Judged::untold(Stage::Equations, "hidden by the error of the steps"),
                 Judged::told(Stage::Integration, size, FLOW, note),
             ];
         }
-        let integration = Judged::told(
-            Stage::Integration,
-            size,
-            (size * fell / falls).max(SMALL),
-            format!(
-                "falls by {:.1} where it should by {falls:.1}, {}",
-                fell,
-                self.place()
-            ),
-        );
+        let bound = (size * fell / falls).max(SMALL);
+        let note = format!("falls by {fell:.1} where it should by {falls:.1}, {place}");
+        let integration = Judged::told(Stage::Integration, size, bound, note);
         match equations.is_off() {
             true => [
                 equations,

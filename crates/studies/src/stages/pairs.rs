@@ -6,7 +6,7 @@ use pinwheel_engines::{Cancelled, Control, Engine};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
 
-use super::engine::of_engine;
+use super::engine::{SEARCH, of_engine};
 use super::kept::of_record;
 use super::locate::Located;
 
@@ -56,10 +56,12 @@ pub fn of_comparison(
                     true => departure_s(&one.time_series, &native.time_series),
                     false => 0.0,
                 };
-                let found = of_engine(engine.as_ref(), gearbox, until_s, control)?;
+                let cost = one.cost.rhs_calls;
+                let cost = Some(cost).filter(|cost| *cost > 0 && one.status.is_finished());
+                let found = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
                 found.filter(|found| brought || found.first().is_some())
             }
-            (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series),
+            (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series, SEARCH),
             _ => None,
         };
         all.extend(found);

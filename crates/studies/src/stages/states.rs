@@ -3,6 +3,8 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::{TimeSeries, columns, group_of};
 
+use super::model::{Model, Work};
+
 /// Column of each coordinate of a gear and of its rate, in the order of the reduced form's y. `None`: a pin's angle, on which
 /// nothing depends.
 pub(super) struct Columns {
@@ -58,6 +60,12 @@ impl Columns {
             coordinates,
             angles: free.len(),
         }
+    }
+
+    /// Columns of a gear's native model; `None` if it has no reduced form.
+    pub(super) fn native(gearbox: &Gearbox) -> Option<Self> {
+        let work = Work::new(gearbox, 0);
+        Some(Self::of(gearbox, Model::new(&work, Vec::new())?.free()))
     }
 
     /// Number of coordinates that are places.

@@ -143,13 +143,8 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
                 [normal, friction, pair.along_force_n]
             },
         );
-        add(
-            Assembly,
-            "sum",
-            &format!("forces of disc {wheel}"),
-            Factor,
-            change,
-        );
+        let what = format!("forces of disc {wheel}");
+        add(Assembly, "sum", &what, Factor, change);
         let what = format!("share of disc {wheel} in the driver's torque");
         add(Driver, "share", &what, Factor, Change::DriverShare(wheel));
         let body = layout.wheel_bodies().start + wheel;
@@ -178,34 +173,33 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
-    // A disc's motion knows moment over inertia alone.
-    let what = "moments of contact forces on the discs";
-    add(Assembly, "lever", what, Factor, Change::Lever);
-    add(Equations, "load", "load", Factor, Change::Load);
-    add(
-        Integration,
-        "step",
-        "motion in a step",
-        Factor,
-        Change::Step,
-    );
     let last = 2 + layout.external_sleeves + count;
-    let column = Change::Column;
-    add(
-        Driver,
-        "torque",
-        "driver's torque as written",
-        Factor,
-        column(0, 1),
-    );
-    add(
-        Assembly,
-        "torque",
-        "output's torque as written",
-        Factor,
-        column(1, 2),
-    );
-    add(Law, "force", "forces as written", Factor, column(2, last));
+    for (stage, cause, what, change) in [
+        // A disc's motion knows moment over inertia alone.
+        (
+            Assembly,
+            "lever",
+            "moments of contact forces on the discs",
+            Change::Lever,
+        ),
+        (Equations, "load", "load", Change::Load),
+        (Integration, "step", "motion in a step", Change::Step),
+        (
+            Driver,
+            "torque",
+            "driver's torque as written",
+            Change::Column(0, 1),
+        ),
+        (
+            Assembly,
+            "torque",
+            "output's torque as written",
+            Change::Column(1, 2),
+        ),
+        (Law, "force", "forces as written", Change::Column(2, last)),
+    ] {
+        add(stage, cause, what, Factor, change);
+    }
     all
 }
 

@@ -3,7 +3,7 @@
 use crate::format::joined;
 use crate::study::{Axis, Block, Chart, Fact, Section, Series, Style};
 use pinwheel_studies::comparison::Outcome;
-use pinwheel_studies::stages::{Judged, Located, Over, Picture, Stage};
+use pinwheel_studies::stages::{Cause, Judged, Located, Over, Picture, Stage};
 use pinwheel_timeseries::table::{Mark, Table};
 
 use super::words;
@@ -35,11 +35,15 @@ pub(super) fn section(found: &Outcome) -> Option<Section> {
 /// A table of the stages, and pictures of those that are off.
 pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     let share = |judged: &Judged, value: f64| match judged.residual {
+        Some(_) if value == 0.0 => "0".to_owned(),
         Some(_) => format!("{value:.1e}"),
         None => String::new(),
     };
+    // Geometry shows in later stages alone.
+    let of_cause = located.cause.as_ref().and_then(Cause::stage);
     let word = |judged: &Judged| match judged.residual {
-        None => "not told",
+        _ if of_cause == Some(judged.stage) => "likely cause",
+        None => "not judged",
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
     };
@@ -75,7 +79,7 @@ const ROUNDING: f64 = 1e-12;
 fn chart(located: &Located, picture: &Picture) -> Chart {
     let (stage, names) = (picture.stage, picture.names.iter().enumerate());
     let (x, over, style) = match picture.over {
-        Over::Time => ("Time (s)", "Over time", Style::Line),
+        Over::Time => ("Time (s)", "Over time", Style::Both),
         Over::Pins => ("Pin: ring pins, then output pins", "By pin", Style::Points),
         Over::Lobe => (
             "Place: 0 and 1 tips of lobes, 0.5 the pit",
