@@ -4,6 +4,8 @@ use pinwheel_gearbox::GearboxError;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::Ending;
 
+use crate::external::structure_at_contacts;
+
 /// Refuses scenes whose ring is the output, for engines with ring pins on the ground.
 pub(crate) fn ring_is_held(scene: &Scene) -> Result<(), Ending> {
     match scene.ring_turns() {
@@ -56,21 +58,9 @@ pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     pins_turn(scene)?;
-    let (bearings, structure) = (&scene.bearings, &scene.structure);
-    let stiffness = bearings.internal_sleeve_stiffness_n_m;
-    let given = [
-        (stiffness, "bearings.internal_sleeve_stiffness_n_m"),
-        (
-            structure.output_pin_diameter_m,
-            "structure.output_pin_diameter_m",
-        ),
-        (structure.ring_seat_length_m, "structure.ring_seat_length_m"),
-        (
-            structure.ring_slot_clearance_m,
-            "structure.ring_slot_clearance_m",
-        ),
-    ];
-    if let Some((_, key)) = given.into_iter().find(|(size, _)| size.is_some()) {
+    let pins = scene.bearings.internal_sleeve_stiffness_n_m;
+    let stiffness = pins.map(|_| "bearings.internal_sleeve_stiffness_n_m");
+    if let Some(key) = stiffness.or_else(|| structure_at_contacts(scene)) {
         let reason = format!(
             "its contacts are springs of its own, and {key} puts pins in series with the scene's law"
         );

@@ -9,7 +9,7 @@ use crate::energy::EnergyAccount;
 use crate::frequencies::Frequencies;
 use crate::run_limits::Limits;
 use crate::scene::{Detection, Formulation, FrictionLaw, Scene};
-use crate::{Gearbox, GearboxError};
+use crate::{Gearbox, GearboxError, speed_profile};
 
 pub use pinwheel_scene::names::AUTO;
 
@@ -208,6 +208,13 @@ impl<'a> Planner<'a> {
         self.scene.slides()
     }
 
+    /// True if bearings or seals reverse, with the input at rest. The Jacobian lacks the friction of sleeves.
+    fn reverses(&self) -> bool {
+        let scene = self.scene;
+        let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
+        speed_profile::fastest_rad_s(&scene.drive) == 0.0 && scene.rubs() && !rolls
+    }
+
     /// True if contact forces are smooth; jumps from point to point would only shorten adaptive steps.
     fn smooth(&self) -> bool {
         self.scene.contact.detection == Detection::Exact
@@ -236,7 +243,11 @@ impl<'a> Planner<'a> {
             };
         }
         if !self.has_friction() {
-            return if is_reduced {
+            return if is_reduced && self.reverses() {
+                self.rosenbrock(
+                    "with the input at rest parts that rub reverse: implicitly to order five, by the exact Jacobian",
+                )
+            } else if is_reduced {
                 self.exponential()
             } else {
                 self.explicit(&format!(

@@ -30,7 +30,7 @@ use crate::Layout;
 use crate::carrier::Carrier;
 use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError, load_profile};
-pub use friction::slow_efficiency;
+pub use friction::{slow, slow_efficiency};
 use problem::{Balanced, Free, GOAL, LEFT, OF_A_DISC, Problem, Size, TRACKED};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -442,7 +442,7 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the Jacobian of the residual, which is `here` at `u`. It is taken by differences where these are cheaper or the
-    /// contacts have no derivatives. `None`: discs on eccentrics whose contacts have no derivatives, and share no pins.
+    /// contacts have no derivatives. `None`: discs on eccentrics whose contacts have no derivatives.
     fn jacobian(
         &mut self,
         problem: &Problem,
@@ -457,8 +457,7 @@ impl<'a> Statics<'a> {
         };
         if !by_differences {
             let found = self.derivatives(problem, u);
-            let shared = self.gearbox.scene.structure.output_pin_diameter_m.is_some();
-            if found.is_some() || (problem.free == Free::Angles && !shared) {
+            if found.is_some() || problem.free == Free::Angles {
                 return found.map(|[position, _]| position);
             }
         }

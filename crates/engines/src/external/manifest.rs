@@ -68,6 +68,8 @@ pub struct Honours {
     pub speed_changes: bool,
     /// Support of discs on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
+    /// Support of `[structure]` in series with the contacts, which forces of the law's library contain.
+    pub structure: bool,
 }
 
 impl Default for Honours {
@@ -78,6 +80,7 @@ impl Default for Honours {
             load_changes: false,
             speed_changes: false,
             free_wheels: false,
+            structure: false,
         }
     }
 }
@@ -267,7 +270,10 @@ impl Manifest {
                     .to_owned(),
             );
         }
-        None
+        let behind = structure_at_contacts(scene).filter(|_| !self.honours.structure)?;
+        Some(format!(
+            "its manifest does not honour parts behind the contacts (honours.structure), and {behind} gives some"
+        ))
     }
 
     /// Returns the command with its placeholders replaced.
@@ -308,4 +314,22 @@ pub(super) fn python() -> PathBuf {
         .map(PathBuf::from)
         .or_else(|| Some(PathBuf::from(variable("VIRTUAL_ENV")?).join(inside)))
         .unwrap_or_else(|| PathBuf::from(if cfg!(windows) { "python" } else { "python3" }))
+}
+
+/// Returns a key of the structure in series with the contacts, which only the scene's law contains.
+pub(crate) fn structure_at_contacts(scene: &Scene) -> Option<&'static str> {
+    let structure = &scene.structure;
+    let given = [
+        (
+            structure.output_pin_diameter_m,
+            "structure.output_pin_diameter_m",
+        ),
+        (structure.ring_seat_length_m, "structure.ring_seat_length_m"),
+        (
+            structure.ring_slot_clearance_m,
+            "structure.ring_slot_clearance_m",
+        ),
+    ];
+    let (_, key) = given.into_iter().find(|(size, _)| size.is_some())?;
+    Some(key)
 }

@@ -31,6 +31,8 @@ pub use crate::process::end_all;
 use crate::process::{self, End, Ended};
 pub use library::{fmu_library, law_library};
 use log::{Limits, SolverLog, WORDS, plain};
+#[cfg(any(feature = "rapier", feature = "python"))]
+pub(crate) use manifest::structure_at_contacts;
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 use result::{Found, JobFolder, Reply};

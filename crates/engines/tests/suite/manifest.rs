@@ -65,6 +65,16 @@ fn a_manifest_as_documented() {
     let speed = "drive.speed_changes=[{time_s=0.1,input_speed_rad_s=30.0,ramp_s=0.1}]";
     let refused = manifest.refuses(&scene(&[speed]));
     assert!(refused.is_some_and(|why| why.contains("honours.speed_changes")));
+    // Seats, slots and shared pins stand in the law's library; flanges stand behind the output.
+    for (key, size, refuses) in [
+        ("ring_seat_length_m", "0.008", true),
+        ("ring_slot_clearance_m", "2e-6", true),
+        ("input_torsion_n_m_rad", "1e4", false),
+    ] {
+        let refused = manifest.refuses(&scene(&[&format!("structure.{key}={size}")]));
+        let named = |why: String| why.contains("honours.structure") && why.contains(key);
+        assert_eq!(refused.is_some_and(named), refuses, "{key}");
+    }
 }
 
 #[test]

@@ -12,7 +12,7 @@ use super::flanks::{Flanks, Seat};
 use super::motion::{self, Motion, WheelFrame};
 use super::pair::{PairContact, PairField};
 use super::pin_friction::{PinFriction, friction};
-use super::shared_pins::SharedPins;
+use super::shared_pins::{OnShared, SharedPins};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
@@ -285,7 +285,8 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// Adds the derivatives of one pair's loads; `at`: its disc, pin, the pin's body and the contact point.
+    /// Adds the derivatives of one pair's loads; `at`: its disc, pin, the pin's body and the contact point. Returns those of a pin
+    /// that discs share.
     #[inline(never)]
     fn add_derivatives(
         &self,
@@ -294,7 +295,7 @@ impl<D: Detection> Pairs<D> {
         bodies: &[BodyState],
         pair: &Loaded,
         derivatives: &mut Derivatives<'_>,
-    ) {
+    ) -> Option<OnShared> {
         let hub = self.layout.wheel_bodies().start + wheel;
         let [input, output, disc, own] =
             [Layout::INPUT, Layout::OUTPUT, hub, pin].map(|body| &bodies[body]);
@@ -321,7 +322,11 @@ impl<D: Detection> Pairs<D> {
             let (place, (velocity, _)) = (Complex::new(own.x, own.y), moves(own));
             (place.like(spin), velocity.like(spin))
         };
-        let p = frame.point(place);
+        let bent = match (sleeve, &self.shared) {
+            (Sleeve::Internal(pin), Some(shared)) => Some((pin, shared.bent(wheel, pin).moved)),
+            _ => None,
+        };
+        let p = frame.point(bent.map_or(place, |(_, moved)| place + moved.like(spin)));
         let touch = match (sleeve, seat) {
             (Sleeve::External(j), Seat::Foot { unit, turn }) => {
                 let touch = exact.beside(j, p * turn.conj().like(spin), unit);
@@ -338,7 +343,7 @@ impl<D: Detection> Pairs<D> {
             }
             (Sleeve::Internal(k), _) => exact.in_hole(wheel, k, p),
         };
-        let Some(touch) = touch else { return };
+        let touch = touch?;
         let placed = (p, pair.pin_n_m, 0.0);
         let pair = self.load(sleeve, touch, &frame, (velocity, spin), placed);
         let (on_sleeve, at_centre) = (pair.on_sleeve(), pair.at_centre());
@@ -361,13 +366,26 @@ impl<D: Detection> Pairs<D> {
             coordinates.place(hub),
             -touch.point.cross(on_sleeve) - p.cross(at_centre),
         );
-        derivatives.add(coordinates.angle(hub), &variables, &on_disc.by);
-        derivatives.add(place_row, &variables, &(-ground.re).by);
-        derivatives.add(place_row.map(|x| x + 1), &variables, &(-ground.im).by);
-        derivatives.add(turn, &variables, &pair.arm.cross(on_sleeve).by);
-        if is_internal {
-            derivatives.add(carrier, &variables, &place.cross(ground).by);
+        let rows = [
+            (coordinates.angle(hub), on_disc),
+            (place_row, -ground.re),
+            (place_row.map(|x| x + 1), -ground.im),
+            (turn, pair.arm.cross(on_sleeve)),
+            (carrier.filter(|_| is_internal), place.cross(ground)),
+        ];
+        for (row, load) in &rows {
+            derivatives.add(*row, &variables, &load.by);
         }
+        let (pin, _) = bent?;
+        let law = self.law.on(pair.pin_n_m);
+        let pressed = law.force(touch.stiffness, touch.penetration, Dual::constant(0.0));
+        Some(OnShared {
+            wheel,
+            pin,
+            variables,
+            rows,
+            at_rest: (touch.normal * frame.turn).scale(-pressed).to_array(),
+        })
     }
 }
 
@@ -378,13 +396,13 @@ impl<D: Detection> PairField for Pairs<D> {
 
     fn have_derivatives(&self) -> bool {
         let smooth = |friction: &Friction| matches!(friction, Friction::Regularised(_));
-        let exact = self.detection.exact().is_some() && self.shared.is_none();
-        exact && self.friction.iter().all(smooth)
+        self.detection.exact().is_some() && self.friction.iter().all(smooth)
     }
 
     fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         self.bend(bodies);
         let wants_pins = request.loads.is_some() || request.energy.is_some();
+        let mut on_shared = Vec::new();
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&Motion::of(&bodies[hub]));
             let mut reaction = Reaction::default();
@@ -396,7 +414,8 @@ impl<D: Detection> PairField for Pairs<D> {
                     (&mut request.derivatives, self.detection.exact())
                 {
                     let at = (wheel, sleeve, body, seat);
-                    self.add_derivatives(exact, at, bodies, pair, derivatives);
+                    let found = self.add_derivatives(exact, at, bodies, pair, derivatives);
+                    on_shared.extend(found);
                 }
                 let pins = self.pins[sleeve.side()].filter(|_| wants_pins);
                 if request.energy.is_none() && pins.is_none() {
@@ -419,6 +438,9 @@ impl<D: Detection> PairField for Pairs<D> {
             if let Some(loads) = &mut request.loads {
                 reaction.add_to(&mut loads[hub], &frame);
             }
+        }
+        if let (Some(shared), Some(derivatives)) = (&self.shared, &mut request.derivatives) {
+            shared.add_bending(&on_shared, derivatives);
         }
     }
 

@@ -10,8 +10,8 @@
 //! sweep from disc to disc, each of which lowers the energy.
 
 use nalgebra::{SMatrix, SVector};
-use pinwheel_contact::{Complex, NormalLaw as _, PinLaw};
-use pinwheel_mbs::BodyState;
+use pinwheel_contact::{Complex, Dual, NormalLaw as _, PinLaw};
+use pinwheel_mbs::{BodyState, Derivatives, Variable};
 use pinwheel_scene::structure::MOST_DISCS;
 
 use super::detection::Touch;
@@ -23,6 +23,23 @@ use crate::scene::Scene;
 /// it, and then ends them.
 const STEPS: usize = 200;
 const SETTLED: f64 = 1e-13;
+
+/// Number of variables of a pair, and the numbers of the disc's x and y among them.
+const VARIABLES: usize = 9;
+const PLACE: [usize; 2] = [1, 2];
+/// Largest number of components of the forces on one pin.
+const BOTH: usize = 2 * MOST_DISCS;
+
+/// Touching pair of a disc and a shared pin, with the derivatives of its loads.
+pub(super) struct OnShared {
+    pub(super) wheel: usize,
+    pub(super) pin: usize,
+    pub(super) variables: [Variable; VARIABLES],
+    /// Loads with their rows.
+    pub(super) rows: [(Option<usize>, Dual<VARIABLES>); 5],
+    /// Force on the pin at rest, ground frame.
+    pub(super) at_rest: [Dual<VARIABLES>; 2],
+}
 
 /// Pins of a gear, and their displacements in the last states.
 pub(super) struct SharedPins {
@@ -103,6 +120,50 @@ impl SharedPins {
                     moved,
                     shared_j: 0.5 * work,
                 };
+            }
+        }
+    }
+
+    /// Adds the derivatives of the pairs' loads by the displacements of their pins. With f_v the force of disc v on a pin:
+    ///
+    /// ```text
+    /// db_w = sum_v!=w a_wv (df_v - f_v,x db_v),    loads,b = -loads,x       x the disc's place
+    /// ```
+    pub(super) fn add_bending(&self, pairs: &[OnShared], derivatives: &mut Derivatives<'_>) {
+        let by_others = |one: &OnShared, other: &OnShared, axis: usize, k: usize| match one.wheel {
+            same if same == other.wheel => 0.0,
+            wheel => self.influence[wheel][other.wheel] * other.at_rest[axis].by[k],
+        };
+        for pin in 0..self.layout.internal_sleeves {
+            let on: Vec<_> = pairs.iter().filter(|pair| pair.pin == pin).collect();
+            let column = |other: &OnShared, k: usize| {
+                SVector::<f64, BOTH>::from_fn(|row, _| {
+                    on.get(row / 2)
+                        .map_or(0.0, |one| by_others(one, other, row % 2, k))
+                })
+            };
+            let mut matrix = SMatrix::<f64, BOTH, BOTH>::identity();
+            for (j, pair) in on.iter().enumerate() {
+                for (axis, k) in PLACE.into_iter().enumerate() {
+                    let mut own = matrix.column_mut(2 * j + axis);
+                    own += column(pair, k);
+                }
+            }
+            let Some(inverse) = matrix.try_inverse().filter(|_| on.len() > 1) else {
+                continue;
+            };
+            for (pair, k) in on
+                .iter()
+                .flat_map(|pair| (0..VARIABLES).map(move |k| (pair, k)))
+            {
+                let moved = inverse * column(pair, k);
+                for (j, one) in on.iter().enumerate() {
+                    for (row, load) in &one.rows {
+                        let [x, y] = PLACE.map(|k| load.by[k]);
+                        let change = -(x * moved[2 * j] + y * moved[2 * j + 1]);
+                        derivatives.add(*row, &[pair.variables[k]], &[change]);
+                    }
+                }
             }
         }
     }

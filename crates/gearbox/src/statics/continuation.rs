@@ -11,6 +11,7 @@
 //! near no load only the previous balance determines where a disc floats. Without a load discs rest at the middle of their
 //! clearance.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::problem::{Balanced, LEFT, OF_A_DISC, Problem};
@@ -29,6 +30,9 @@ const LIGHTER: f64 = 0.25;
 const REMEMBERED: usize = 8;
 /// Least step of the clearance, relative to the full clearance.
 const LEAST_LOOSER: f64 = 1e-4;
+/// Distances of input angles from which a lost balance is sought, and the least step from there, as shares of a pin's passage.
+const BESIDE: [f64; 5] = [0.2, 0.05, 1e-2, 1e-3, 1e-6];
+const LEAST_BESIDE: f64 = 1e-7;
 /// Explanation for a missing balance with contacts at discrete points.
 const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a disc on an \
                       elastic bearing has no balance; use detection = \"exact\"";
@@ -61,15 +65,47 @@ impl Statics<'_> {
             known.and_then(|(near, from)| self.continue_towards(near, from, (phi, load)).ok());
         let found = match found {
             Some(found) => found,
-            None => self
-                .solve_cold(phi, load)
-                .map_err(|error| self.explained(error))?,
+            None => match self.solve_cold(phi, load) {
+                Ok(found) => found,
+                Err(error) => {
+                    let found = self.solve_from_beside(phi, load);
+                    found.ok_or_else(|| self.explained(error))?
+                }
+            },
         };
         if self.floated.len() == REMEMBERED {
             self.floated.remove(0);
         }
         self.floated.push((found.clone(), load));
         Ok(found)
+    }
+
+    /// Solves the balance from those of input angles beside it. Under light loads contacts open and close on the way from a heavy
+    /// load, and the way is lost in a few poses of a hundred thousand.
+    fn solve_from_beside(&mut self, phi: f64, load: f64) -> Option<Equilibrium> {
+        let pins = self.gearbox.scene.gear.external_sleeves as f64;
+        let mesh = TAU / pins / self.gearbox.scene.eccentric_per_input().abs();
+        BESIDE
+            .iter()
+            .flat_map(|share| [-share, *share])
+            .find_map(|share| {
+                let mut here = self.solve_cold(phi + share * mesh, load).ok()?;
+                let mut step = phi - here.input;
+                while here.input != phi {
+                    let left = phi - here.input;
+                    let next = if step.abs() < left.abs() {
+                        here.input + step
+                    } else {
+                        phi
+                    };
+                    match self.continue_from(&here, next, load) {
+                        Some(found) => here = found,
+                        None if step.abs() > LEAST_BESIDE * mesh => step *= 0.5,
+                        None => return None,
+                    }
+                }
+                Some(here)
+            })
     }
 
     /// Returns the error with its cause, where that is not the load.

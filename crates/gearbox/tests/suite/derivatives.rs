@@ -335,35 +335,53 @@ fn cranks_have_their_slopes() {
             "contact.friction_ramp_m_s=0.05",
         ],
     ] {
-        let common = ["drive.start=\"equilibrium\""];
-        let sets: Vec<_> = common
-            .iter()
-            .chain(sets)
-            .map(|set| set.parse().unwrap())
-            .collect();
-        let gearbox = Gearbox::new(&Scene::load("rv-40e-like", &sets).unwrap()).unwrap();
-        let mut system = reduced(&gearbox);
-        let mut y = system.initial();
-        let n = y.len() / 2;
-        for (k, y) in y.iter_mut().enumerate() {
-            let size = if k < n { 2e-7 } else { 1e-2 };
-            *y += size * (3.7 * k as f64 + 1.0).sin();
-        }
-        let (lanes, scalar) = (
-            entries(&mut system, 0.0, &y),
-            entries(&mut one_by_one(&gearbox), 0.0, &y),
-        );
-        let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
-        for (a, b) in lanes.iter().zip(scalar) {
-            assert!(
-                (a - b).abs() < 1e-5 * most,
-                "{sets:?}: {a:e} {b:e} of {most:e}"
-            );
-        }
-        let angles = system.free_bodies().len();
-        let (seen, kinks) = compare(&gearbox, &mut system, 0.0, &y, angles).unwrap();
-        assert!(kinks * 4 <= seen, "{sets:?}: {kinks} of {seen}");
+        have_slopes("rv-40e-like", sets);
     }
+}
+
+/// Output pins that two and three discs bend.
+#[test]
+fn shared_pins_have_their_slopes() {
+    let shared = [
+        "bearings.internal_sleeves_held=\"one-end\"",
+        "structure.output_pin_diameter_m=0.006",
+        "structure.output_seat_length_m=0.01",
+    ];
+    let three = ["gear.wheels=3", "contact.damping_n_s_m=1e3"];
+    have_slopes("paper", &shared);
+    have_slopes("paper-bearings", &[&shared[..], &three].concat());
+}
+
+/// Compares the Jacobian of a preset near its balance with differences, and lanes with the scalar loop.
+fn have_slopes(preset: &str, sets: &[&str]) {
+    let common = ["drive.start=\"equilibrium\""];
+    let sets: Vec<_> = common
+        .iter()
+        .chain(sets)
+        .map(|set| set.parse().unwrap())
+        .collect();
+    let gearbox = Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap();
+    let mut system = reduced(&gearbox);
+    let mut y = system.initial();
+    let n = y.len() / 2;
+    for (k, y) in y.iter_mut().enumerate() {
+        let size = if k < n { 2e-7 } else { 1e-2 };
+        *y += size * (3.7 * k as f64 + 1.0).sin();
+    }
+    let (lanes, scalar) = (
+        entries(&mut system, 0.0, &y),
+        entries(&mut one_by_one(&gearbox), 0.0, &y),
+    );
+    let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+    for (a, b) in lanes.iter().zip(scalar) {
+        assert!(
+            (a - b).abs() < 1e-5 * most,
+            "{sets:?}: {a:e} {b:e} of {most:e}"
+        );
+    }
+    let angles = system.free_bodies().len();
+    let (seen, kinks) = compare(&gearbox, &mut system, 0.0, &y, angles).unwrap();
+    assert!(kinks * 4 <= seen, "{sets:?}: {kinks} of {seen}");
 }
 
 /// A contact begins a twelfth of a step from the state: both steps include half of its slope, which is small so soon after the

@@ -228,6 +228,29 @@ fn hard_parts_that_stick_leave_a_loop() {
     }
 }
 
+/// Next to no load that gear has other balances where parts stick; from the other branch each is found. Under 3 % there is one.
+#[test]
+fn hard_parts_that_stick_have_several_balances() {
+    let scene = Scene::from_toml(SUGGESTED, "suggested", &[]).unwrap();
+    let gearbox = Gearbox::new(&scene).unwrap();
+    let mut plain = Statics::new(&gearbox).unwrap();
+    let mut rubs = Statics::rubbing(&gearbox).unwrap().unwrap();
+    for (share, several) in [(1e-4, true), (0.03, false)] {
+        let load = share * scene.drive.output_torque_n_m;
+        let (mut widest, mut apart) = (0.0_f64, 0.0_f64);
+        for pose in 0..24 {
+            let phi = std::f64::consts::TAU * f64::from(pose) / 24.0 / 40.0;
+            let at = plain.solve(phi, load).unwrap();
+            let [rises, falls] = [1.0, -1.0].map(|way| rubs.loading(way, &at, load).unwrap());
+            let again = rubs.loading(1.0, &falls, load).unwrap();
+            widest = widest.max((falls.output - rises.output).abs());
+            apart = apart.max((again.output - rises.output).abs());
+        }
+        println!("{share}: widest {widest:e}, apart {apart:e}");
+        assert_eq!(apart > 1e-6 * widest, several, "{share}");
+    }
+}
+
 /// Without friction there is nothing to solve, and pins that turn freely lose nothing.
 #[test]
 fn a_gear_without_friction_has_no_branches() {

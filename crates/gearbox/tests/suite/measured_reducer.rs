@@ -122,23 +122,23 @@ fn published_measured_reducer_by_one_compliance_and_one_clearance() {
     assert!((0.88..0.92).contains(&stiff.exponent()));
 }
 
-/// Half of the twist between turning forward and backward against the load, arcmin, with friction.
-fn turning(sets: &[&str]) -> Vec<[f64; 2]> {
+/// Half of the twist between turning forward and backward against these loads, arcmin, with friction.
+fn turning(sets: &[&str], torques: impl IntoIterator<Item = f64>) -> Vec<[f64; 2]> {
     let gearbox = gearbox(sets);
     let mut plain = Statics::new(&gearbox).unwrap();
     let mut rubs = Statics::rubbing(&gearbox).unwrap().unwrap();
-    let half = [100.0, 300.0, 900.0, 1800.0].map(|torque| {
+    let half = torques.into_iter().map(|torque| {
         let [back, there] = [-1.0, 1.0].map(|way| {
             let at = plain.solve(0.1, -way * torque).unwrap();
             rubs.turning(way, &at, -way * torque).unwrap().output
         });
         [torque, 0.5 * (back - there) * ARCMIN]
     });
-    half.to_vec()
+    half.collect()
 }
 
 /// Friction of loaded parts hardly moves the output of a gear that turns: by 0.003 arcmin where the measured gear has 0.26 without
-/// load, and 0.10 more within some 160 N m. That start needs a drag that loads do not make: 122 N m at the output.
+/// load, and 0.10 more within some 160 N m.
 #[test]
 fn published_measured_start_is_not_friction_of_loaded_parts() {
     let measured = measured();
@@ -157,12 +157,44 @@ fn published_measured_start_is_not_friction_of_loaded_parts() {
     ];
     let own = twist(&[]);
     for parts in [[needles, sleeves].concat(), [needles, held].concat()] {
-        for [torque, rubs] in turning(&parts) {
+        for [torque, rubs] in turning(&parts, [100.0, 300.0, 900.0, 1800.0]) {
             let own = own.half.iter().find(|own| own[0] == torque).unwrap()[1];
             println!("{parts:?}, {torque} N m: {:.4} arcmin more", rubs - own);
             assert!((rubs - own).abs() < 0.02 * of("no_load_arcmin"));
         }
     }
+}
+
+/// One drag at the output in place of the clearance. Of 116 N m it gives the twist without load, and all others are too small by
+/// 0.04 to 0.11 arcmin. Of 156 N m it gives them to within the repeatability, and too much without load. With neither is the start soft: the
+/// drag has already loaded the needles.
+#[test]
+fn published_measured_start_by_one_drag() {
+    let measured = measured();
+    let theirs = numbers(&measured, "half_arcmin");
+    let soft = |half: &[f64]| {
+        let points = |range: std::ops::RangeInclusive<usize>| -> Vec<[f64; 2]> {
+            range.map(|k| [100.0 * k as f64, half[k]]).collect()
+        };
+        fit(&points(0..=2), 1.0)[1] / fit(&points(3..=18), 1.0)[1]
+    };
+    println!("measured: {theirs:?}, soft start {:.3}", soft(&theirs));
+    let by_drag = |drag: &str| -> Vec<f64> {
+        let sets = ["bearings.eccentric.clearance_m=0", drag];
+        let half = turning(&sets, (0..=18).map(|k| f64::max(100.0 * f64::from(k), 1.8)));
+        let half: Vec<f64> = half.into_iter().map(|[_, half]| half).collect();
+        println!("{drag}: {half:.3?}, soft start {:.3}", soft(&half));
+        assert!(soft(&half) < 1.02 && soft(&theirs) > 1.12);
+        half.iter()
+            .zip(&theirs)
+            .map(|(ours, theirs)| ours - theirs)
+            .collect()
+    };
+    let idle = by_drag("bearings.output_seal_n_m=116");
+    assert!(idle[0].abs() < 0.005 && idle[1..].iter().all(|off| (-0.11..-0.03).contains(off)));
+    let line = by_drag("bearings.output_seal_n_m=156");
+    let rms = (line[1..].iter().map(|off| off * off).sum::<f64>() / 18.0).sqrt();
+    assert!(rms < 0.025 && line[0] > 0.08, "{rms}, {}", line[0]);
 }
 
 /// Amplitudes of the transmission error over a turn of the output, arcmin, at orders of that turn.

@@ -127,24 +127,36 @@ pub(crate) fn hysteresis(
         for ((width, (share, _)), last) in widths.iter_mut().zip(WIDTHS).zip(last) {
             let load = way * share * working;
             let at = statics.track(last, phi, load).map_err(of_scene)?;
-            let mut output = |way| Some(rubs.loading(way, at, load).ok()?.output);
-            *width = output(-1.0)
-                .zip(output(1.0))
-                .map(|(falls, rises)| ARCMIN * (falls - rises));
+            // Where parts stick there may be several balances: each branch is solved again from the other one.
+            let mut both = |from: [&Equilibrium; 2]| {
+                let falls = rubs.loading(-1.0, from[0], load).ok()?;
+                Some([falls, rubs.loading(1.0, from[1], load).ok()?])
+            };
+            *width = both([at; 2]).and_then(|[falls, rises]| {
+                let again = both([&rises, &falls])?;
+                let of = |[falls, rises]: &[Equilibrium; 2]| ARCMIN * (falls.output - rises.output);
+                let width = of(&[falls, rises]);
+                Some((width, (of(&again) - width).abs()))
+            });
         }
         Ok(widths)
     })?;
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
         let widths = found.iter().flatten().map(|widths| widths[k]);
-        let Some(widths) = widths.collect::<Option<Vec<f64>>>() else {
+        let Some(widths) = widths.collect::<Option<Vec<_>>>() else {
             let why = GearboxError::Sticks.to_string();
             return vec![def.of(None, None).withheld(why)];
         };
-        parted(poses.parts, |every, of| {
+        let mut figures = parted(poses.parts, |every, of| {
             let some = widths.chunks(2).skip(of).step_by(every).flatten();
-            let spread = Spread::of(some.copied());
+            let spread = Spread::of(some.map(|(width, _)| *width));
             vec![over(def, spread.max, &spread)]
-        })
+        });
+        let several = widths.iter().map(|(_, apart)| *apart).fold(0.0, f64::max);
+        for figure in &mut figures {
+            figure.uncertainty = figure.uncertainty.map(|own| own + several);
+        }
+        figures
     };
     Ok(WIDTHS.into_iter().enumerate().flat_map(of_load).collect())
 }

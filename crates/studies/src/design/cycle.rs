@@ -1,22 +1,22 @@
 //! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
 //!
-//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear whose discs slide
-//! on pins has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
-//! motions are those of the gear itself, but for friction, which now acts in full. Bearings and sleeves on pins rub too steeply for
-//! this below their least speed: with these alone the loop has no width here, and statics gives it.
+//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
+//! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
+//! motions are those of the gear itself, but for friction, which now acts in full. Sleeves that rub on their pins stick and slip in
+//! turn, in steps too small for this: with them the loop has no width, and statics gives it.
 
 use std::f64::consts::TAU;
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::statics;
 use pinwheel_scene::{LoadChange, Scales, Scene, Start};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
 use crate::balances::figures::LOST;
 use crate::balances::spread::ARCMIN;
-use crate::control::{compile, of_scene};
+use crate::control::compile;
 use crate::{Control, StudyError, single};
 
 /// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
@@ -42,7 +42,7 @@ pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
-    /// friction fades on it.
+    /// friction of sleeves fades on it.
     pub width_arcmin: Option<f64>,
     /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, and half of the branches'
     /// distance there.
@@ -71,13 +71,14 @@ pub struct Cycle {
 /// Cancelled; a gear that cannot be compiled.
 pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
     let mut scene = Scene::clone(&gearbox.scene);
-    let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
-    // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
-    let rubbing = Statics::rubbing(gearbox).map_err(|source| of_scene(&scene, source))?;
-    let acts = rubbing.is_some() && scene.slides() && !rolls;
-    let periods = if acts { SLOW_WITH_FRICTION } else { SLOW };
+    let slow = statics::slow(scene.clone());
+    let fades = slow.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
+    let rubs = slow.rubs() && !fades;
+    let periods = if rubs { SLOW_WITH_FRICTION } else { SLOW };
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
-    if acts {
+    if rubs {
+        // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
+        scene.bearings = slow.bearings;
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
     }
@@ -133,7 +134,6 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let fades = rubbing.is_some() && !acts;
     let width = |every: usize| apart(0.0, every).filter(|_| !fades);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
