@@ -35,7 +35,6 @@ const LEAST_GROWTH: f64 = 1.05;
 type Sliding = (Equilibrium, DVector<f64>, DMatrix<f64>);
 
 /// Leaves of a scene what slow motion has.
-#[must_use]
 pub fn slow(mut scene: Scene) -> Scene {
     let (contact, bearings) = (&mut scene.contact, &mut scene.bearings);
     (contact.damping_n_s_m, contact.restitution) = (0.0, 1.0);

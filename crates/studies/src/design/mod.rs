@@ -483,7 +483,6 @@ impl DesignResult {
     }
 
     /// Returns the eccentric bearing with the largest force; the first of equally loaded discs.
-    #[must_use]
     pub fn most_loaded(&self) -> Option<&Bearing> {
         let more = |a: &Bearing, b: &Bearing| b.force_n.max > a.force_n.max * (1.0 + ALIKE);
         let mut bearings = self.bearings.iter();
@@ -497,7 +496,6 @@ impl DesignResult {
 
     /// Returns the parts that deflect with their shares of the total compliance, which includes a fitted rest. Empty if
     /// only contacts deflect.
-    #[must_use]
     pub fn shares(&self) -> Vec<(&'static str, f64)> {
         let own = self.budget.iter().map(|part| (part.part, part.share));
         let Some(rest) = self.rest else {

@@ -37,13 +37,11 @@ pub struct Part {
 
 impl Cause {
     /// First stage in which it acts.
-    #[must_use]
     pub fn stage(&self) -> Option<Stage> {
         self.parts.iter().map(|part| part.stage).min()
     }
 
     /// The cause with its figure.
-    #[must_use]
     pub fn words(&self) -> String {
         let all = |of: fn(&Part) -> &str| {
             let words: Vec<&str> = self.parts.iter().map(of).collect();

@@ -23,7 +23,6 @@ pub struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// Follows a model from its start; `None` where it has no reduced form.
-    #[must_use]
     pub fn of(gearbox: &'a Gearbox) -> Option<Self> {
         let work = Work::new(gearbox, u64::MAX);
         let mut model = Model::new(&work, Vec::new())?;
@@ -36,7 +35,6 @@ impl<'a> Course<'a> {
 }
 
 /// Judges each stage of a model at the states of another. `None`: the two have not the same bodies, or no reduced form.
-#[must_use]
 pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let (a, samples) = (course.gearbox, &course.samples);
     if a.layout != b.layout || a.floats() != b.floats() {
