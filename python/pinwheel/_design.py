@@ -49,8 +49,8 @@ def gear(
     friction: float | None = None,
 ) -> Scene:
     """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
-    `outer_diameter_mm` suggests the pin circle where none is given. `cranks` makes it an RV gear with so many cranks. Clearances, bearings, friction and bending are suggested too, by the
-    `process` of the discs, unless it is `ideal`.
+    `outer_diameter_mm` suggests the pin circle where none is given. `cranks` makes it an RV gear with so many cranks.
+    Clearances, bearings, friction and bending are suggested too, by the `process` of the discs, unless it is `ideal`.
 
     >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
     >>> s["external_sleeves"], s["drive.output_torque_n_m"]

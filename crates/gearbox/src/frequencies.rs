@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use pinwheel_scene::bearings::{BearingLaw, typical_force};
 use pinwheel_scene::scales::{Scales, Spring, external_force, hertz, internal_force, least_depth};
 
-use crate::load_profile;
 use crate::scene::{BodyMass, Scene};
 
 /// Frequencies and rates of a scene.
@@ -51,10 +50,7 @@ impl Frequencies {
     /// of errors of adaptive methods ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
     pub fn depth_share(scene: &Scene) -> f64 {
         let gear = &scene.gear;
-        let force = external_force(
-            gear,
-            load_profile::largest(&scene.drive) / gear.wheels as f64,
-        );
+        let force = external_force(gear, scene.largest_disc_load_n_m());
         let stiffness = hertz(scene).on_flat(gear.external_sleeve_radius_m);
         let least = least_depth(scene);
         let plain = (force / stiffness).powf(2.0 / 3.0).max(least);
@@ -86,7 +82,7 @@ pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
 /// on fixed pins. It is that of the faster kind of pin under the largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
-    let torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
+    let torque = scene.largest_disc_load_n_m();
     let external = external_force(gear, torque);
     let internal = internal_force(gear, torque);
     let [on_ring, on_output] = scene.sliding();

@@ -198,8 +198,7 @@ impl Gearbox {
         let gear = &self.scene.gear;
         let lever = gear.lever_m();
         let per_force = 0.25 * lever * gear.external_sleeves as f64;
-        let torque = (load_profile::largest(&self.scene.drive) / gear.wheels as f64)
-            .max(self.least_force_n() * per_force);
+        let torque = (self.scene.largest_disc_load_n_m()).max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
         let penetration = (force / self.flat_stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;

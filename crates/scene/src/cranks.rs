@@ -12,7 +12,7 @@
 use crate::error::Fault;
 use crate::model::{BodyMass, Cranks, Gear, OutputPart, Scene};
 use crate::number::short;
-use crate::speed_profile;
+use crate::{load_profile, speed_profile};
 
 /// Pressure angle of involute teeth (ISO 53).
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
@@ -59,6 +59,12 @@ impl Scene {
             true => (1.0 - self.output_per_input()).abs(),
             false => 1.0,
         }
+    }
+
+    /// Returns the largest load torque of the run on one disc, N m, unsigned.
+    pub fn largest_disc_load_n_m(&self) -> f64 {
+        self.carrier_moment_per_output() * load_profile::largest(&self.drive)
+            / self.gear.wheels as f64
     }
 
     /// Returns the rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk or -rho/zk of

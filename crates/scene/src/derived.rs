@@ -169,7 +169,7 @@ pub fn derived(scene: &Scene) -> Derived {
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
-    let wheel_torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
+    let wheel_torque = scene.largest_disc_load_n_m();
     let input_hertz = speed_profile::final_rad_s(scene).abs() / TAU;
     let frequency = |what, order: f64| Frequency {
         what,

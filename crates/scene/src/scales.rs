@@ -15,7 +15,6 @@
 use std::f64::consts::PI;
 
 use crate::bearings::{BearingLaw, typical_force};
-use crate::load_profile;
 use crate::model::{Gear, Scene};
 pub use crate::springs::{
     Spring, external_force, hertz, internal_force, law, law_parameters, least_depth, pin_law,
@@ -92,7 +91,7 @@ impl Scales {
         let inner = Spring::of(scene, hertz.of_hole(sleeve, hole));
         let lever = gear.lever_m();
         let least = least_depth(scene);
-        let load = load_profile::largest(&scene.drive) / gear.wheels as f64;
+        let load = scene.largest_disc_load_n_m();
         let torque = wheel_torque_of(scene, &outer);
         let torsion = |spring: Spring, pin: Option<f64>, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;

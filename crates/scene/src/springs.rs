@@ -5,7 +5,6 @@ use pinwheel_contact::{
     HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, PinLaw, Ramp,
 };
 
-use crate::load_profile;
 use crate::model::{Gear, Scene};
 use crate::wall::hole_to_profile_m;
 
@@ -27,8 +26,7 @@ fn springs(scene: &Scene) -> [f64; 2] {
     let (contact, gear) = (&scene.contact, &scene.gear);
     let mut rollers = scene.clone();
     "line-hertz".clone_into(&mut rollers.contact.law);
-    let (hertz, load) = (hertz(&rollers), load_profile::largest(&scene.drive));
-    let torque = load / gear.wheels as f64;
+    let (hertz, torque) = (hertz(&rollers), scene.largest_disc_load_n_m());
     let secant = |stiffness: f64, force: f64| {
         let spring = Spring::of(&rollers, stiffness);
         let depth = spring.depth(force, least_depth(scene));
@@ -179,7 +177,7 @@ pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
 pub(crate) fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
     let unloaded = outer.force(least_depth(scene));
-    let on_carrier = scene.carrier_moment_per_output() * load_profile::largest(&scene.drive);
-    let load = on_carrier / gear.wheels as f64;
-    load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
+    scene
+        .largest_disc_load_n_m()
+        .max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
 }

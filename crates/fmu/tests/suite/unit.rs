@@ -466,8 +466,8 @@ fn bad_input_wrong_moments_and_values_are_refused() {
     says(unit.enter_initialization(), "in initialization mode");
     unit.exit_initialization().expect("exit");
     says(unit.set_real(stiffness, 2.0), "parameter");
-    says(unit.step(0.0, 0.0), "none");
-    says(unit.step(0.0, f64::NAN), "none");
+    says(unit.step(0.0, 0.0), "invalid");
+    says(unit.step(0.0, f64::NAN), "invalid");
     says(unit.step(1.0, 1e-3), "the time is 0 s");
     for endless in [1e300, 1e9, 1.1e5] {
         says(unit.step(0.0, endless), "the longest simulation, 100000 s");

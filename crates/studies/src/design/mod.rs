@@ -67,8 +67,7 @@ const CURVE: usize = 20;
 /// the same mesh: for four gears without errors they differ by 2.4e-4 at most.
 const ALIKE: f64 = 1e-2;
 /// Why a run's loop has no width.
-const FADES: &str =
-    "friction of sleeves, or play, needs a slower run than this; statics gives the hysteresis";
+const FADES: &str = "friction of sleeves, bearings or seals, or play, needs a slower run than this; statics gives the hysteresis";
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
