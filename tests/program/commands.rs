@@ -553,6 +553,15 @@ fn program_own_gears_need_no_settings() {
     }
 }
 
+/// Bearings and sleeves on their pins lose power without any friction of contacts.
+#[test]
+fn program_friction_of_bearings_is_a_loss() {
+    let of = "needle-bearings --engines native-resolved --set solver.duration_s=0.02";
+    let (_, text, _) = compared(&words(of));
+    let line = text.lines().find(|line| line.starts_with("Efficiency"));
+    assert!(line.is_some_and(|line| line.contains('%')), "{text}");
+}
+
 /// An engine out of time reports it: it proves nothing, and neither does a comparison with it alone.
 #[test]
 fn program_a_spent_budget_is_stated() {

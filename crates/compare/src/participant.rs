@@ -55,6 +55,9 @@ pub struct Context {
     pub input_speed_rad_s: Option<f64>,
     /// Coefficient of friction; 0 chooses the tolerances of frictionless scenes.
     pub friction_coefficient: f64,
+    /// True if bearings, seals or sleeves on their pins lose power too.
+    #[serde(skip)]
+    pub has_losses: bool,
     /// Decay time of the start-up transient, s; `None` takes [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that
     /// starts in equilibrium.
     pub settling_s: Option<f64>,

@@ -223,7 +223,9 @@ fn figures(
                 100.0 * created.abs()
             )),
         ),
-        (Ok(_), _) if judge.context.friction_coefficient == 0.0 => (None, Some(NO_LOSS.to_owned())),
+        (Ok(_), _) if !judge.context.has_losses && judge.context.friction_coefficient == 0.0 => {
+            (None, Some(NO_LOSS.to_owned()))
+        }
         (Ok(works), None) if works > 1.0 => (None, Some(ABOVE_ONE.to_owned())),
         (Ok(works), _) => (accounted.or(Some(works)).map(|share| share.min(1.0)), None),
     };

@@ -19,6 +19,7 @@ pub fn context(scene: &Scene) -> Context {
         load_changes_s: load_profile::breaks(&scene.drive),
         input_speed_rad_s: Some(speed_profile::final_rad_s(scene)),
         friction_coefficient: scene.contact.friction_coefficient,
+        has_losses: scene.rubs(),
         settling_s: match scene.drive.start {
             Start::Equilibrium => Some(0.0),
             _ => settles,
