@@ -16,8 +16,7 @@ use pinwheel_files::folder::draft_in;
 
 use crate::control::Cancelled;
 use crate::engine::{Ending, Halt};
-pub use crate::env::CACHE;
-use crate::env::cache;
+use crate::env::{CACHE, cache};
 
 mod call;
 

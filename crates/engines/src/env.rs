@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Variable with a folder that replaces the user's cache folder.
-pub const CACHE: &str = "PINWHEEL_CACHE";
+pub(crate) const CACHE: &str = "PINWHEEL_CACHE";
 
 /// Returns the value of an environment variable; `None` if it is empty.
 pub(crate) fn variable(name: &str) -> Option<OsString> {

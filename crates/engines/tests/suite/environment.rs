@@ -7,7 +7,7 @@ use std::time::Duration;
 use std::{fs, thread};
 
 use pinwheel_engines::Halt;
-use pinwheel_engines::cache::{CACHE, call, fingerprint, kept_away, lock};
+use pinwheel_engines::cache::{call, fingerprint, kept_away, lock};
 use pinwheel_engines::python::embedded::unusable;
 use pinwheel_engines::python::environment::*;
 use pinwheel_engines::python::interpreter::{self, ENVIRONMENT, Interpreter};
@@ -224,7 +224,7 @@ fn faults_name_the_remedy() {
     let file = cache.path().join("file");
     fs::write(&file, "").unwrap();
     let error = ensure(NOTHING, &interpreter(), &file, None, &GO).unwrap_err();
-    assert!(error.to_string().contains(CACHE), "{error}");
+    assert!(error.to_string().contains("PINWHEEL_CACHE"), "{error}");
 }
 
 #[test]
