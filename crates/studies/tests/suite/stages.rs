@@ -585,7 +585,7 @@ fn names_friction_that_is_not_solved() {
     ];
     let wide = scene("paper", &sets);
     for (tolerance, stage, pattern) in [
-        (1e-9, None, "no stage is off"),
+        (1e-9, None, "no stage differs"),
         (
             0.02,
             Some(Stage::Integration),
