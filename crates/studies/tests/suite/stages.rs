@@ -950,7 +950,7 @@ fn locating_costs_no_more_than_a_run() {
     assert!(above.is_empty(), "{above:?}");
 }
 
-/// A solver that writes a part of its states is judged by that part, and hears which columns would tell.
+/// A solver that writes a part of its states is judged by that part, and hears which columns it lacks.
 #[test]
 fn asks_for_columns() {
     let gearbox = Gearbox::new(&scene("paper", &["solver.duration_s=0.004"])).unwrap();
