@@ -82,10 +82,12 @@ pub fn of_engine(
         Some(all) => all.max(LEAST),
         None => (count as f64 * whole_s / short.scene.solver.duration_s) as u64,
     };
-    let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>| {
+    // `kept`: evaluations that the search for a cause leaves.
+    let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>, kept: u64| {
         let name = engine.name();
         // Without states the columns alone may show a cause.
-        let left = [whole, whole.max(SEARCH)].map(|most| most.saturating_sub(taken.get()));
+        let left = [whole, whole.max(SEARCH) - kept];
+        let left = left.map(|most| most.saturating_sub(taken.get()));
         let by_columns = || of_record(gearbox, name, run, left[1]);
         let is_blind = !states.missing(run).is_empty();
         let found = is_blind.then(by_columns).flatten();
@@ -106,7 +108,7 @@ pub fn of_engine(
         Some(found)
     };
     let Some(refinement) = engine.info().refinement else {
-        return Ok(judge(&own, None));
+        return Ok(judge(&own, None, 0));
     };
     let (by, falls) = match refinement.knob {
         AccuracySetting::Step => {
@@ -136,16 +138,21 @@ pub fn of_engine(
             }
         });
         let Some((finer, more)) = fine.ok().map(|fine| run(&fine)).transpose()?.flatten() else {
-            return Ok(located.or_else(|| judge(&own, None)));
+            return Ok(located.or_else(|| judge(&own, None, 0)));
         };
-        located = judge(&own, Some((&finer, falls)));
+        cost = (more as f64).powi(2) / (count as f64 * share);
+        // The search leaves enough to confirm that the motion is off.
+        let kept = match level {
+            LEVELS => 0,
+            _ => (cost * 2.0 * FEWEST as f64 / (REST * last as f64)) as u64,
+        };
+        located = judge(&own, Some((&finer, falls)), kept.min(SEARCH));
         // Steps that are far too long show no order.
         let is_open =
             |found: &Located| found.cause.is_none() && found.first() >= Some(Stage::Equations);
         if !located.as_ref().is_some_and(is_open) {
             break;
         }
-        cost = (more as f64).powi(2) / (count as f64 * share);
         (own, count) = (finer, more);
     }
     Ok(located)

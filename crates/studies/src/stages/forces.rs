@@ -114,9 +114,9 @@ impl Columns {
     pub(super) fn search(&self, both: bool) -> (f64, String) {
         let mut first = None;
         let mut count = 0;
-        // A law that is off may let go of a contact.
+        // A law that is off may let go of a contact; it is known where rates are.
         let is_both = |(k, column): &(usize, usize)| {
-            self.written[*k][*column] != 0.0 && self.native[*k][*column] != 0.0
+            both && self.written[*k][*column] != 0.0 && self.native[*k][*column] != 0.0
         };
         let all = (0..self.times.len()).flat_map(|k| self.forces().map(move |column| (k, column)));
         let law = all

@@ -73,7 +73,7 @@ pub struct Judged {
     pub residual: Option<f64>,
     /// Residual from which the stage is off.
     pub bound: f64,
-    /// Place of the largest residual, or the columns that would tell.
+    /// Place of the largest residual, or the columns that it needs.
     pub note: String,
 }
 

@@ -94,6 +94,9 @@ fn followed(
 
 /// Change of a record's columns that is none, as a share of their largest: records are rounded and interpolated.
 const RECORD: f64 = 1e-3;
+/// Runs of the model that the search for a cause takes, and the least number of samples that tell causes apart.
+const FOLLOWS: u64 = 100;
+const FEWEST: usize = 12;
 
 /// Judges a record that has all columns of a gear, by its states where it has them; only a known cause names a stage.
 pub(super) fn of_record(
@@ -122,6 +125,14 @@ pub(super) fn of_record(
     }
     let times = run.time_s().get(..run.len().min(SHOWN))?;
     (*times.first()? == 0.0).then_some(())?;
+    // As many samples as there are evaluations for.
+    let work = Work::new(gearbox, evaluations);
+    let mut native = Model::new(&work, Vec::new())?;
+    let begun = native.start();
+    native.follow(0.0, &begun, times)?;
+    let most = work.left() / FOLLOWS * times.len() as u64 / work.taken().max(1);
+    let times = &times[..times.len().min(FEWEST.max(most as usize))];
+    let evaluations = work.left();
     // Torques and forces weigh the same.
     let size = |column: &&[f64]| column.iter().fold(0.0, |most: f64, x| x.abs().max(most));
     let sizes: Vec<f64> = of.iter().map(size).collect();

@@ -28,7 +28,7 @@ pub struct Located {
     pub pictures: Vec<Picture>,
     /// Evaluations of forces that judging took, and those that it might take: as many as the run itself.
     pub evaluations: [u64; 2],
-    /// What would have cost more than the run and was left out, in words.
+    /// Search that would have cost more than the run and was left out, in words.
     pub left_out: Option<String>,
 }
 
@@ -225,7 +225,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let pictures = fine.pictures(rough, &states.coordinates);
         located.pictures.extend(pictures);
         located.stages.extend(fine.judged(rough.zip(finer)));
-        if fine.size() > FLOW && (rough.is_none() || off(&located, &[Stage::Equations])) {
+        let is_open = rough.is_none() || off(&located, &[Stage::Equations]);
+        // Pins that keep their rates have a pattern of their own.
+        if fine.size() > FLOW && is_open && !fine.keeps_pins() {
             work.allow(runs.evaluations[1]);
             let few = fine.few(FITTED[usize::from(gearbox.has_friction())]);
             let [reached, base] = few.ends();

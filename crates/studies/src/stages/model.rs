@@ -201,8 +201,8 @@ pub(super) struct Model<'a> {
 
 /// Error of a step of the flow, as a share of the twist under load: without friction and with it.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-8];
-/// Factor on it where a run is followed over many samples, of which no stage is judged to so many digits.
-const RUN: f64 = 100.0;
+/// Error where a run is followed over many samples, of which no stage is judged to so many digits.
+const RUN: [f64; 2] = [1e-8, 1e-6];
 /// Evaluations that a Jacobian counts as.
 const JACOBIAN: u64 = 4;
 /// Steps of the flow over one interval; more are no flow.
@@ -316,7 +316,7 @@ impl<'a> Model<'a> {
         let rough = gearbox.has_friction();
         let settings = StepSettings {
             step: 0.1 * (first - from).max((last - from) / times.len() as f64),
-            tolerance: TOLERANCES[usize::from(rough)] * if times.len() > 1 { RUN } else { 1.0 },
+            tolerance: if times.len() > 1 { RUN } else { TOLERANCES }[usize::from(rough)],
         };
         let mut breaks = load_profile::breaks(&gearbox.scene.drive);
         breaks.retain(|&time| time < last);

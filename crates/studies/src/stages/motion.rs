@@ -213,7 +213,7 @@ impl Motion {
     }
 
     /// True if the run's pins keep their rates, which the native flow changes.
-    fn keeps_pins(&self) -> bool {
+    pub(super) fn keeps_pins(&self) -> bool {
         let turned = |end: fn(&Interval) -> &Vec<f64>| {
             let each = self.0.iter().flat_map(|of| {
                 let rates = of.start.len() / 2..of.start.len();

@@ -585,7 +585,7 @@ fn names_friction_that_is_not_solved() {
     ];
     let wide = scene("paper", &sets);
     for (tolerance, stage, pattern) in [
-        (1e-9, None, "no stage is off"),
+        (1e-9, None, "no stage differs"),
         (
             0.02,
             Some(Stage::Integration),
@@ -869,7 +869,7 @@ fn cpu_s() -> f64 {
         / 100.0
 }
 
-/// Locating takes no more evaluations of forces than the run that it judges, with faults and without.
+/// Locating takes no more evaluations of forces than the run that it judges or the stated numbers, with faults and without.
 #[test]
 #[ignore = "weekly: whole runs"]
 fn locating_costs_no_more_than_a_run() {
@@ -903,6 +903,7 @@ fn locating_costs_no_more_than_a_run() {
         ),
         ("levers", with(|s| s.frozen = true)),
     ];
+    let mut above = Vec::new();
     for preset in ["paper", "paper-bearings", "rv-320", "paper-friction"] {
         let scene = scene(preset, &[]);
         let gearbox = Gearbox::new(&scene).unwrap();
@@ -936,14 +937,20 @@ fn locating_costs_no_more_than_a_run() {
                 run.stats.rhs_calls,
                 took / of_run
             );
-            if share > 1.0 {
-                println!("ABOVE");
+            // The search for what is off may take more than a short run.
+            let floor = match name == "right" || ENGINES.contains(&name) {
+                true => 20_000,
+                false => 150_000,
+            };
+            if evaluations > run.stats.rhs_calls.max(floor) {
+                above.push(format!("{preset}, {name}: {share:.2}"));
             }
         }
     }
+    assert!(above.is_empty(), "{above:?}");
 }
 
-/// A solver that writes a part of its states is judged by that part, and hears which columns would tell.
+/// A solver that writes a part of its states is judged by that part, and hears which columns it lacks.
 #[test]
 fn asks_for_columns() {
     let gearbox = Gearbox::new(&scene("paper", &["solver.duration_s=0.004"])).unwrap();
