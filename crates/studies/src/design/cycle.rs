@@ -138,7 +138,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let width = |every: usize| apart(0.0, every).filter(|_| !fades && !(rubs && plays));
+    let width = |every: usize| apart(0.0, every).filter(|_| !(fades || rubs && plays));
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
