@@ -76,6 +76,7 @@ fn followed(
     times_s: &[f64],
     start: &[f64],
 ) -> Option<TimeSeries> {
+    model.by_differences = true;
     let states = model.follow(*times_s.first()?, start, times_s)?;
     let output = model
         .free()
@@ -129,7 +130,7 @@ pub(super) fn of_record(
     let work = Work::new(gearbox, evaluations);
     let mut native = Model::new(&work, Vec::new())?;
     let begun = native.start();
-    native.follow(0.0, &begun, times)?;
+    followed(gearbox, &mut native, times, &begun)?;
     let most = work.left() / FOLLOWS * times.len() as u64 / work.taken().max(1);
     let times = &times[..times.len().min(FEWEST.max(most as usize))];
     let evaluations = work.left();

@@ -197,6 +197,8 @@ pub(super) struct Model<'a> {
     system: Reduced<Altered<'a>>,
     work: &'a Work<'a>,
     changes: Changes<'a>,
+    /// True where the Jacobian is made of differences: of changed forces it is, and the errors of runs made alike cancel.
+    pub(super) by_differences: bool,
 }
 
 /// Error of a step of the flow, as a share of the twist under load: without friction and with it.
@@ -247,6 +249,7 @@ impl<'a> Model<'a> {
             system,
             work,
             changes,
+            by_differences: false,
         })
     }
 
@@ -360,8 +363,11 @@ impl OdeSystem for Model<'_> {
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
+        if self.by_differences || self.factor(Change::is_step) != 1.0 {
+            return false;
+        }
         self.work.take(JACOBIAN);
-        self.factor(Change::is_step) == 1.0 && self.system.jacobian(t, y, jacobian)
+        self.system.jacobian(t, y, jacobian)
     }
 
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
