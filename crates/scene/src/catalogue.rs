@@ -584,7 +584,7 @@ impl Catalogue {
             short(self.speed_rad_s * 30.0 / PI)
         );
         let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
-        // Behind the bar stands why a suggested value is what it is.
+        // The reason of a suggested value follows the bar.
         let mark = |key: &str, about: &str| match (suggested.contains(&key), about.split_once('|'))
         {
             (true, Some((about, why))) => format!("suggested: {about}; {why}"),

@@ -188,7 +188,7 @@ impl<'a> Board<'a> {
         let heard = |at: Progress<'_>| {
             self.change(k, false, |Lane { outlook, .. }, now_s| {
                 let left = at.left_s.filter(|left| left.is_finite());
-                outlook.told_s = left.map(|left| [now_s, left]).or(outlook.told_s);
+                outlook.reported_s = left.map(|left| [now_s, left]).or(outlook.reported_s);
             });
         };
         let control = self.control.limited(self.control.cancel, &heard);

@@ -398,7 +398,7 @@ fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
 /// Function of the CPU time of a run, see [`take_part`].
 type After<'a> = dyn Fn(f64) -> f64 + Sync + 'a;
 /// Share of a run from which on it indicates its duration: error control takes short steps through the start-up.
-const SEEN: f64 = 0.15;
+const FORETELLS: f64 = 0.15;
 
 /// Runs one engine, within `most` if stated, and returns it as a participant with any ending, and the coarser runs of its own
 /// verification. `after`: cost of the runs that follow over that of this one, if this one takes so much CPU time, s; for the
@@ -421,7 +421,7 @@ fn take_part(
             let cpu_s = at
                 .cpu
                 .map_or(took_s, |cpu| cpu.as_secs_f64() * of / reached);
-            (share > SEEN).then(|| took_s * (1.0 - reached / of + after(cpu_s)))
+            (share > FORETELLS).then(|| took_s * (1.0 - reached / of + after(cpu_s)))
         });
         (control.progress)(Progress {
             left_s: left_s.or(at.left_s),

@@ -19,7 +19,7 @@ pub struct Outlook {
     /// Start of the work.
     pub begun_s: Option<f64>,
     /// Time of the latest report, and the remaining time in it.
-    pub told_s: Option<[f64; 2]>,
+    pub reported_s: Option<[f64; 2]>,
     /// End of the work.
     pub ended_s: Option<f64>,
 }
@@ -35,7 +35,7 @@ impl Outlook {
 
     /// Returns the duration as it is known now.
     fn total_s(&self) -> Option<f64> {
-        let end_s = self.told_s.map(|[at_s, left_s]| at_s + left_s);
+        let end_s = self.reported_s.map(|[at_s, left_s]| at_s + left_s);
         Some(self.ended_s.or(end_s)? - self.begun_s?)
     }
 }
@@ -56,7 +56,7 @@ pub fn left_s(all: &[Outlook], jobs: usize, now_s: f64) -> Option<f64> {
     };
     let (mut sum, mut square, mut common, mut longest) = (0.0, 0.0, 0.0, [0.0_f64; 2]);
     for one in all.iter().filter(|one| one.ended_s.is_none()) {
-        let (left, own, shared) = match one.told_s {
+        let (left, own, shared) = match one.reported_s {
             Some([at_s, left_s]) => {
                 let left = (at_s + left_s - now_s).max(0.0);
                 (left, REPORTED * left, 0.0)

@@ -55,18 +55,18 @@ const BENCH: (&[Lane], f64) = (
 
 /// State of an engine at a time: runs report from a tenth on.
 fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
-    let mut told_s = None;
+    let mut reported_s = None;
     let mut from_s = begun_s;
     for &(took_s, after) in runs {
         let share = ((now_s - from_s) / took_s).min(1.0);
         if share > 0.1 {
-            told_s = Some([from_s + share * took_s, took_s * (1.0 - share + after)]);
+            reported_s = Some([from_s + share * took_s, took_s * (1.0 - share + after)]);
         }
         from_s += took_s;
     }
     Outlook {
         begun_s: (begun_s <= now_s).then_some(begun_s),
-        told_s,
+        reported_s,
         ended_s: (from_s <= now_s).then_some(from_s),
         ..Outlook::usual(usual_s)
     }
@@ -109,7 +109,7 @@ fn hard_nothing_is_said_before_it_is_known() {
     // An engine that takes longer than it said.
     let late = Outlook {
         begun_s: Some(0.0),
-        told_s: Some([5.0, 1.0]),
+        reported_s: Some([5.0, 1.0]),
         ..Outlook::usual(10.0)
     };
     assert!(left_s(&[late], 1, 5.5).is_some_and(|left| (left - 0.5).abs() < 1e-9));
