@@ -11,9 +11,12 @@ use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use super::mesh::{Bearing, Largest, Pair, Pose, Stage};
 use super::spread::{ARCMIN, Spread};
+use crate::fourier::{resampled, resolves};
 
 /// Share of the rated torque, to either side of 0, for lost motion.
 pub(crate) const LOST: f64 = 0.03;
+/// Orders of both meshes that poses tell apart if a transmission error is read off the polynomial through them.
+const ORDERS: i64 = 3;
 /// Error of a figure due to balances: their angles are accurate to 2e-15 rad, forces to 1e-10.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
@@ -21,6 +24,8 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 pub(crate) struct Balances {
     /// Number of parts of the poses.
     pub(crate) parts: usize,
+    /// Passages of ring and output pins in the period, if all pins of a kind are alike.
+    pub(crate) meshes: Option<[usize; 2]>,
     /// True if cranks carry the discs, as in an RV gear.
     pub(crate) on_cranks: bool,
     /// Loads are those of a slow motion in which parts rub.
@@ -146,8 +151,15 @@ impl Balances {
         };
         let sliding = |stage| over(stage, |largest| largest.pressure_sliding_w_m2).max;
         let error = [&self.loaded, &self.unloaded].map(|poses| {
-            let errors = some(poses, every, of);
-            let spread = Spread::of(errors.iter().map(|pose| ARCMIN * pose.error_rad));
+            let errors = some(poses, every, of).into_iter();
+            let mut errors: Vec<f64> = errors.map(|pose| ARCMIN * pose.error_rad).collect();
+            if let Some(meshes) = self
+                .meshes
+                .filter(|meshes| resolves(errors.len(), *meshes, ORDERS))
+            {
+                errors = resampled(errors, meshes);
+            }
+            let spread = Spread::of(errors.into_iter());
             spread.max - spread.min
         });
         Summed {
@@ -239,9 +251,16 @@ pub(super) fn over(def: &FigureDef, value: f64, spread: &Spread) -> Figure {
     balanced(def, value).over(spread, ROUNDING)
 }
 
-/// Returns the figures of all poses; their uncertainty is the largest difference to those of any of the `parts`.
+/// Returns the figures of all poses; their uncertainty is the largest difference to those of any of the `parts`, and unknown of
+/// one part.
 pub(crate) fn parted(parts: usize, of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
     let mut figures = of(1, 0);
+    if parts == 1 {
+        figures
+            .iter_mut()
+            .for_each(|figure| figure.uncertainty = None);
+        return figures;
+    }
     for part in 0..parts {
         for (figure, other) in figures.iter_mut().zip(of(parts, part)) {
             let moved = figure.value.zip(other.value).map(|(a, b)| (a - b).abs());

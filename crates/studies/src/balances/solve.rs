@@ -91,6 +91,7 @@ pub(crate) fn balances(
     };
     Ok(Balances {
         parts: poses.parts,
+        meshes: is_mirrored(gearbox).then_some(poses.meshes),
         on_cranks: gearbox.carrier.cranks().is_some(),
         lost,
         stiffness,

@@ -96,7 +96,7 @@ impl Engine for Statics {
             };
             let solver = pinwheel_gearbox::statics::Statics::new(&gearbox);
             let mut solver = solver.map_err(|source| ended(of_scene(&gearbox.scene, source)))?;
-            let poses = Poses::of(&gearbox.scene);
+            let poses = Poses::of(&gearbox.scene).resolving();
             let found = at_poses(&mut solver, (&poses, true), control.cancel).map_err(ended)?;
             let all = figures(&found.figures());
             let stats = RunStats {
