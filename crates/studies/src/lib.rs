@@ -93,6 +93,7 @@ pub mod internals {
     pub use crate::conformance::TRIALS;
     pub use crate::design::drawing::discs;
     pub use crate::design::joint::{LEVELS, springs};
+    pub use crate::fourier::{resampled, resolves};
     pub use crate::paper::backlash::turn_to_touch;
     pub use crate::paper::figure::{Measured, number};
     pub use crate::paper::read::{off, roughness};

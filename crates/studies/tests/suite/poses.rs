@@ -1,7 +1,9 @@
 //! Poses at which a gear is balanced.
 
+use std::f64::consts::TAU;
+
 use pinwheel_scene::Scene;
-use pinwheel_studies::internals::{MOST, MOST_OF_ALL, Poses};
+use pinwheel_studies::internals::{MOST, MOST_OF_ALL, Poses, resampled, resolves};
 
 /// However many passages there are until parts with errors meet again, poses are bounded; too few for the harmonics of a mesh
 /// they tell none.
@@ -38,4 +40,38 @@ fn a_walk_meets_every_pose_and_moves_little() {
             );
         }
     }
+}
+
+/// 49 poses of a period with 39 and 8 passages give every harmonic up to the fourth order, though two a cycle would be 312; in
+/// 55 the ring's first is the alias of the second of the output pins.
+#[test]
+fn few_poses_give_the_harmonics_of_both_meshes() {
+    let base = [39, 8];
+    let harmonics = [
+        (39.0, 1.0),
+        (8.0, 0.7),
+        (16.0, -0.4),
+        (31.0, 0.2),
+        (156.0, 0.1),
+    ];
+    let at = |share: f64| -> f64 {
+        let waves = harmonics.iter().enumerate();
+        waves
+            .map(|(k, (f, a))| a * (TAU * f * share + k as f64).cos())
+            .sum()
+    };
+    let places = |count: usize| (0..count).map(move |k| at(k as f64 / count as f64));
+    assert!(resolves(49, base, 4) && !resolves(55, base, 2));
+    let dense = resampled(places(49).collect(), base);
+    for (own, right) in dense.iter().zip(places(dense.len())) {
+        assert!((own - right).abs() < 1e-12, "{own} {right}");
+    }
+    let sampled = places(55).collect::<Vec<_>>();
+    let wrong = resampled(sampled, base);
+    assert!(
+        wrong
+            .iter()
+            .zip(places(wrong.len()))
+            .any(|(own, right)| (own - right).abs() > 0.1)
+    );
 }

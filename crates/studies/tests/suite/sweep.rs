@@ -526,7 +526,7 @@ fn regress_efficiency_does_not_hang_on_samples() {
     assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
 }
 
-/// Figures of balances without friction, each within the uncertainty that `design` gives it, as a program found them whose balances all began at the
+/// Figures of balances without friction, each within the uncertainty that `design` gives it (transmission errors within 1 %), as a program found them whose balances all began at the
 /// one before and ended at a residual of 1e-12. The third gear has discs in so much play that a step under next to no force takes them far;
 /// pressed against pins there, they passed for preloaded.
 #[test]
@@ -597,6 +597,13 @@ fn regress_balances_of_a_lot_of_gears() {
         assert!(record.rhs_calls < 10 * record.steps, "{scene}");
         for (key, (value, uncertainty)) in keys.iter().zip(accepted) {
             let found = record.balances.get(*key);
+            // A sweep reads it off a tenth of the poses.
+            let share = if key.starts_with("transmission") {
+                0.01
+            } else {
+                0.0
+            };
+            let uncertainty = uncertainty.max(share * value);
             let apart = found.map_or(f64::NAN, |found| (found - value).abs());
             assert!(
                 apart <= uncertainty,
