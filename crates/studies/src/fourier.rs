@@ -30,7 +30,7 @@ pub(crate) fn moduli(samples: Vec<f64>) -> Vec<f64> {
 
 /// True if no two harmonics of these base frequencies (cycles a period) are aliases in `count` samples. The order of a harmonic,
 /// at most `orders`, is the sum of its multiples of both.
-pub(crate) fn resolves(count: usize, base: [usize; 2], orders: i64) -> bool {
+pub fn resolves(count: usize, base: [usize; 2], orders: i64) -> bool {
     let all = (0..=orders).flat_map(|order| harmonics(order, base));
     let all: BTreeSet<i64> = all.flat_map(|f| [f, -f]).collect();
     let bins = all.iter().map(|f| f.rem_euclid(count as i64));
@@ -49,7 +49,7 @@ fn harmonics(order: i64, base: [usize; 2]) -> impl Iterator<Item = i64> {
 /// Its frequencies are sums of multiples of two `base` frequencies, cycles a period. Every bin takes the sum of lowest order
 /// that it may be an alias of, so fewer samples than two a cycle give a signal of few orders where they [resolve](resolves) them.
 /// The number of samples has no factor in common with a base frequency.
-pub(crate) fn resampled(samples: Vec<f64>, base: [usize; 2]) -> Vec<f64> {
+pub fn resampled(samples: Vec<f64>, base: [usize; 2]) -> Vec<f64> {
     let count = samples.len();
     let bins = transform(samples);
     let mut frequencies = vec![None; bins.len()];

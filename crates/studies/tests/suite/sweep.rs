@@ -603,7 +603,7 @@ fn regress_balances_of_a_lot_of_gears() {
             } else {
                 0.0
             };
-            let uncertainty = uncertainty.max(share * value);
+            let uncertainty = f64::max(uncertainty, share * value);
             let apart = found.map_or(f64::NAN, |found| (found - value).abs());
             assert!(
                 apart <= uncertainty,
