@@ -54,22 +54,16 @@ pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
     })
 }
 
-/// Refuses scenes with elastic pins or bearings, for engines with their own contact springs.
+/// Refuses scenes with elastic pins, bearings or warm parts, for engines with their own contact springs.
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     pins_turn(scene)?;
     let pins = scene.bearings.internal_sleeve_stiffness_n_m;
     let stiffness = pins.map(|_| "bearings.internal_sleeve_stiffness_n_m");
-    if let Some(key) = stiffness.or_else(|| structure_at_contacts(scene)) {
-        let reason = format!(
-            "its contacts are springs of its own, and {key} puts pins in series with the scene's law"
-        );
-        return Err(Ending::unsupported(reason));
-    }
-    match scene.temperature {
-        None => Ok(()),
-        Some(_) => Err(Ending::unsupported(
-            "it makes parts of the sizes in the scene, and [temperature] changes them",
-        )),
-    }
+    let key = stiffness.or_else(|| structure_at_contacts(scene));
+    key.map_or(Ok(()), |key| {
+        let reason =
+            format!("its contacts are springs of its own, and {key} acts through the scene's law");
+        Err(Ending::unsupported(reason))
+    })
 }

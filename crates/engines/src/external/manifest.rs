@@ -68,7 +68,7 @@ pub struct Honours {
     pub speed_changes: bool,
     /// Support of discs on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
-    /// Support of `[structure]` in series with the contacts, which forces of the law's library contain.
+    /// Support of `[structure]` in series with the contacts and of `[temperature]`, which forces of the law's library contain.
     pub structure: bool,
 }
 
@@ -272,7 +272,7 @@ impl Manifest {
         }
         let behind = structure_at_contacts(scene).filter(|_| !self.honours.structure)?;
         Some(format!(
-            "its manifest does not honour parts behind the contacts (honours.structure), and {behind} gives some"
+            "its manifest does not honour what only the law's library knows (honours.structure), as {behind}"
         ))
     }
 
@@ -316,7 +316,7 @@ pub(super) fn python() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(if cfg!(windows) { "python" } else { "python3" }))
 }
 
-/// Returns a key of the structure in series with the contacts, which only the scene's law contains.
+/// Returns a key of the structure in series with the contacts, or of temperatures, which only the scene's law contains.
 pub(crate) fn structure_at_contacts(scene: &Scene) -> Option<&'static str> {
     let structure = &scene.structure;
     let given = [
@@ -329,6 +329,7 @@ pub(crate) fn structure_at_contacts(scene: &Scene) -> Option<&'static str> {
             structure.ring_slot_clearance_m,
             "structure.ring_slot_clearance_m",
         ),
+        (scene.temperature.map(|warm| warm.disc_k), "[temperature]"),
     ];
     let (_, key) = given.into_iter().find(|(size, _)| size.is_some())?;
     Some(key)

@@ -65,7 +65,7 @@ fn a_manifest_as_documented() {
     let speed = "drive.speed_changes=[{time_s=0.1,input_speed_rad_s=30.0,ramp_s=0.1}]";
     let refused = manifest.refuses(&scene(&[speed]));
     assert!(refused.is_some_and(|why| why.contains("honours.speed_changes")));
-    // Seats, slots and shared pins stand in the law's library; flanges stand behind the output.
+    // Seats, slots, shared pins and sizes of warm parts stand in the law's library; flanges stand behind the output.
     for (key, size, refuses) in [
         ("ring_seat_length_m", "0.008", true),
         ("ring_slot_clearance_m", "2e-6", true),
@@ -75,6 +75,11 @@ fn a_manifest_as_documented() {
         let named = |why: String| why.contains("honours.structure") && why.contains(key);
         assert_eq!(refused.is_some_and(named), refuses, "{key}");
     }
+    let warm = scene(&["contact.material=\"steel\"", "temperature.housing_k=5"]);
+    let refused = manifest.refuses(&warm).expect("refused");
+    assert!(refused.contains("honours.structure") && refused.contains("[temperature]"));
+    let shares = read(&GOOD.replace("friction = true", "friction = true\nstructure = true"));
+    assert_eq!(shares.expect("good").refuses(&warm), None);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 //! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
 //! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
 //! motions are those of the gear itself, but for friction, which now acts in full. Sleeves that rub on their pins stick and slip in
-//! turn, in steps too small for this, and a play is crossed late: then the loop has no width, and statics gives it.
+//! turn, in steps too small for this, and a play is crossed late: then the loop is the slow one, whose friction fades. Bearings and
+//! seals alone leave a fast loop that damping widens by up to 17 %. The width of all these is by statics.
 
 use std::f64::consts::TAU;
 
@@ -42,10 +43,10 @@ pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
-    /// friction of sleeves fades on it, where bearings or seals alone rub, or where a gear that rubs has play.
+    /// sleeves, bearings or seals rub, or where a gear that rubs has play; but of bearings and seals beside held pins it has one.
     pub width_arcmin: Option<f64>,
     /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, and half of the branches'
-    /// distance there.
+    /// distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
     /// Uncertainty of the width, arcmin: the first two of these.
     pub width_uncertainty_arcmin: Option<f64>,
@@ -73,15 +74,15 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let mut scene = Scene::clone(&gearbox.scene);
     let slow = statics::slow(scene.clone());
     let fades = slow.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
-    let rubs = slow.rubs() && !fades;
-    // Through a play so light a gear lags, and bearings and seals leave a loop up to 17 % too wide.
-    let slides = slow.slides();
     let gear = &scene.gear;
     let clearance = (scene.bearings.eccentric.as_ref()).and_then(|bearing| bearing.clearance_m);
-    let plays = largest_play(gear) + largest_hole_play(gear) + clearance.unwrap_or(0.0) > 0.0;
-    let periods = if rubs { SLOW_WITH_FRICTION } else { SLOW };
+    let play = largest_play(gear) + largest_hole_play(gear) + clearance.unwrap_or(0.0);
+    // Play below this is rounding.
+    let acts = slow.rubs() && !fades && play < 1e-12;
+    let has_width = !slow.rubs() || acts && slow.slides();
+    let periods = if acts { SLOW_WITH_FRICTION } else { SLOW };
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
-    if rubs {
+    if acts {
         // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
         scene.bearings = slow.bearings;
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
@@ -139,9 +140,9 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let width = |every: usize| apart(0.0, every).filter(|_| !fades && (!rubs || slides && !plays));
+    let width = |every: usize| apart(0.0, every).filter(|_| has_width);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
-    let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
+    let open = || Some(0.5 * (apart(LOST * rated, 1)? + apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
         let value = of(1)?;

@@ -25,7 +25,7 @@ fn table() -> toml::Table {
     std::fs::read_to_string(place).unwrap().parse().unwrap()
 }
 
-/// The drive of the package's budget, without play as its closed forms of the parts are.
+/// The drive of the package's budget.
 fn steel_drive(data: &toml::Table) -> Scene {
     let drive = data["printed"].as_array().unwrap().iter();
     let drive = drive.map(|one| one.as_table().unwrap());
@@ -86,48 +86,60 @@ fn in_series(one: f64, other: f64) -> f64 {
     1.0 / (1.0 / one + 1.0 / other)
 }
 
-/// The package's 17.5 N m/arcmin, part by part. Its discs take turns on the pins that one disc loads, so that they count once; two
-/// discs that stand opposite each other load other pins, so that all of them carry.
+/// The package's 17.5 N m/arcmin, part by part. Its discs take turns on the pins that one disc loads, so that they count once, and pins
+/// take up the play in their holes before they bend. Counted so and without that play, both budgets end alike: 23.54 and 23.51. In
+/// ours two discs load other pins, those that bend share their load, and the whole is 48.3.
 #[test]
 fn published_budget_of_a_steel_drive() {
     let data = table();
-    let theirs = |key: &str| data["budget"][key].as_float().unwrap();
     let all = steel_drive(&data);
     let given = all.structure.clone();
-    let with = |structure: Structure, pin: Option<f64>| {
+    let with = |structure: Structure, pin: Option<f64>, play: bool| {
         let mut scene = all.clone();
         scene.structure = structure;
         scene.bearings.internal_sleeve_stiffness_n_m = pin;
+        if !play {
+            let gear = &mut scene.gear;
+            gear.hole_radius_m = gear.internal_sleeve_radius_m + gear.eccentricity_m;
+        }
         stiffness(&scene)
     };
-    let contacts = with(Structure::default(), None);
+    let rigid = Structure::default();
     let seats = Structure {
         ring_seat_length_m: given.ring_seat_length_m,
         ..Structure::default()
     };
-    let seated = with(seats.clone(), None);
-    // One pin as the package has it, loaded in the middle of the stack.
-    let middle = Some(5.0078e7);
-    let apart = with(seats, middle);
-    let shared = with(given, None);
+    // One pin as the package has it, loaded in the middle of the stack, for one disc and for two.
+    let [middle, once] = [5.0078e7, 2.5039e7].map(Some);
+    let contacts = with(rigid.clone(), None, true);
+    let seated = with(seats.clone(), None, true);
+    let apart = with(seats, middle, true);
+    let shared = with(given, None, true);
+    let [tight, bent] = [None, once].map(|pin| with(rigid.clone(), pin, false));
     let alone = |before: f64, after: f64| 1.0 / (1.0 / after - 1.0 / before);
-    let whole = in_series(shared, 1.0 / all.flange_twist_rad(1.0) / ARCMIN);
+    let behind = 1.0 / all.flange_twist_rad(1.0) / ARCMIN;
+    let [whole, counted_once] = [shared, bent].map(|pins| in_series(pins, behind));
     println!(
-        "contacts {contacts:.1}, seats {:.0}, pins of the middle {:.1}, shared {:.1}; all {whole:.2}; theirs {}",
-        alone(contacts, seated),
+        "contacts {contacts:.1}, {tight:.1}; pins of the middle {:.1}, shared {:.1}; all {whole:.2}, counted once {counted_once:.2}",
         alone(seated, apart),
-        alone(seated, shared),
-        data["budget"]
+        alone(seated, shared)
     );
-    let once = in_series(seated, 0.5 * alone(seated, apart));
-    println!("independent {apart:.1}, once {once:.1}, shared {shared:.1}");
-    let near = |found: f64, key: &str, low: f64, high: f64| {
-        let share = found / theirs(key);
-        assert!((low..high).contains(&share), "{key}: {share}");
+    let near = |found: f64, [table, key]: [&str; 2], low: f64, high: f64| {
+        let share = found / data[table][key].as_float().unwrap();
+        assert!((low..high).contains(&share), "{table} {key}: {share}");
     };
-    near(contacts, "contacts", 0.8, 1.0);
-    near(alone(contacts, seated), "seats_of_ring_pins", 0.3, 3.0);
-    near(0.5 * alone(seated, apart), "output_pins", 0.8, 1.7);
+    let [play, none] = ["budget", "budget_without_hole_play"];
+    near(contacts, [play, "contacts"], 0.8, 1.0);
+    near(
+        alone(contacts, seated),
+        [play, "seats_of_ring_pins"],
+        0.3,
+        3.0,
+    );
+    near(tight, [none, "contacts"], 0.8, 1.0);
+    near(alone(tight, bent), [none, "output_pins"], 0.97, 1.03);
+    near(counted_once, [none, "all"], 0.99, 1.01);
+    near(whole, [play, "all"], 2.7, 2.85);
     assert!(shared > apart);
 }
 
