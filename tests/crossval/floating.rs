@@ -180,6 +180,37 @@ fn crossval_pins_that_do_not_turn() {
     agree(PINS, true);
 }
 
+/// The ring as output, on its bearings and on cranks, and with ring pins that it holds. Its inertia is of its size: rapier diverges where
+/// the ring is light beside its pins.
+const RINGS: &[(&str, &[(&str, &str)])] = &[
+    (
+        "paper-bearings",
+        &[
+            ("drive.output", "\"ring\""),
+            ("drive.start", "\"equilibrium\""),
+            ("mass.output_shaft.moment_kg_m2", "0.01"),
+            ("gear.external_sleeves_turn", "false"),
+            ("contact.friction_coefficient", "0.1"),
+            ("contact.friction_ramp_m_s", "0.05"),
+            ("solver.duration_s", "0.0001"),
+        ],
+    ),
+    (
+        "rv-40e-like",
+        &[
+            ("drive.output", "\"ring\""),
+            ("drive.start", "\"equilibrium\""),
+            ("solver.sample_s", "5e-6"),
+            ("solver.duration_s", "0.0001"),
+        ],
+    ),
+];
+
+#[test]
+fn crossval_a_ring_that_is_the_output() {
+    agree(RINGS, true);
+}
+
 #[test]
 fn crossval_floating_discs() {
     agree(&GEARS[..2], true);

@@ -42,11 +42,6 @@ pub enum GearboxError {
         "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
     )]
     SpeedChanges,
-    /// Ring as output, where ring pins are fixed to the ground.
-    #[error(
-        "it fixes ring pins to the ground, and drive.output = \"ring\" turns them with the output"
-    )]
-    Ring,
     /// Name of an integrator that does not exist.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),

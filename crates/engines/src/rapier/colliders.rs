@@ -57,6 +57,10 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             )
             .into());
     }
+    if scene.ring_turns() {
+        let reason = "its one contact spring is that of a load on the carrier, and drive.output = \"ring\" has none there";
+        return Err(Ending::unsupported(reason).into());
+    }
     if scene.contact.detection == Detection::Points {
         return Err(Ending::unsupported(
                 "it finds contacts itself, so contact.detection = \"points\" has no meaning for it; use \"exact\"",
