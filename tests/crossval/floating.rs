@@ -192,7 +192,7 @@ const RINGS: &[(&str, &[(&str, &str)])] = &[
             ("gear.external_sleeves_turn", "false"),
             ("contact.friction_coefficient", "0.1"),
             ("contact.friction_ramp_m_s", "0.05"),
-            ("solver.duration_s", "0.0001"),
+            ("solver.duration_s", "0.00005"),
         ],
     ),
     (
@@ -201,7 +201,7 @@ const RINGS: &[(&str, &[(&str, &str)])] = &[
             ("drive.output", "\"ring\""),
             ("drive.start", "\"equilibrium\""),
             ("solver.sample_s", "5e-6"),
-            ("solver.duration_s", "0.0001"),
+            ("solver.duration_s", "0.00005"),
         ],
     ),
 ];
@@ -211,8 +211,8 @@ fn crossval_a_ring_that_is_the_output() {
     agree(RINGS, true);
 }
 
-/// Contacts of their own on a ring that is the output. Measured, relative L2 of the ring pins' forces over 50 ms: 4.1e-4 and 4.8 %
-/// (8.7 % of the gear on its carrier), times 3; the mean torque of colliders is compared alone.
+/// Contacts of their own on a ring that is the output. Measured, relative L2 of the ring pins' forces over 50 ms: 4.1e-4 and 4.9 %
+/// (8.7 % of the gear on its carrier), times 3; the mean torque of colliders, 4.1 %, times 3.
 #[test]
 fn crossval_own_contacts_of_a_ring() {
     let sets = [
@@ -234,7 +234,7 @@ fn crossval_own_contacts_of_a_ring() {
     };
     let off = mean(&run("rapier-own-contact-colliders", &scene)) / mean(&native) - 1.0;
     println!("colliders: {off:e}");
-    assert!(off.abs() < 0.05, "colliders: {off:e}");
+    assert!(off.abs() < 0.12, "colliders: {off:e}");
 }
 
 #[test]
