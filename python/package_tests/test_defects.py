@@ -266,3 +266,11 @@ def test_how_long_and_how_sharp_a_comparison_is():
     for wrong in ({"longest_s": -1.0}, {"resolution": 0.0}, {"resolution": 2.0}):
         with pytest.raises(InputError, match=next(iter(wrong)).split("_")[0]):
             pinwheel.compare(SHORT, ["native"], **wrong)
+
+
+def test_an_outer_diameter_suggests_the_pin_circle():
+    given = {"ratio": 39, "torque_n_m": 200, "speed_rpm": 1500}
+    outer, circle = pinwheel.gear(**given, outer_diameter_mm=133), pinwheel.gear(**given, pin_circle_diameter_mm=104)
+    assert all(outer[key] == circle[key] for key in ("gear.eccentricity_m", "gear.external_sleeve_radius_m"))
+    with pytest.raises(InputError, match="either pin_circle_diameter_mm or outer_diameter_mm"):
+        pinwheel.gear(**given, outer_diameter_mm=133, pin_circle_diameter_mm=104)

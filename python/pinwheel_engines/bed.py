@@ -57,6 +57,8 @@ def check_own_contact(engine: str, scene: Scene) -> None:
     gear = scene.gear
     if gear.rotational_rad != 0.0:
         raise Unsupported(engine, "gear.modification.rotational_rad: its edge is one smooth curve, not the meet of two")
+    if gear.ring_turns and engine == "exudyn-own-contact":
+        raise Unsupported(engine, 'drive.output = "ring": its damper on the discs is about a ring that stands still')
     if gear.normal_m:
         raise Unsupported(engine, "gear.modification.normal_m: its edge is that of an epitrochoid")
     if gear.has_errors:

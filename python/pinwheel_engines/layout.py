@@ -4,8 +4,9 @@ Body order everywhere: input shaft, output shaft, discs, ring pins, output pins.
 (x, y, angle, vx, vy, rate) of its centre of mass, one body's load (fx, fy, moment about it), ground frame, SI.
 
 Every body turns about its own centre of mass, which its carrier holds: discs sit on the input shaft's eccentrics,
-output pins on the output shaft, everything else on the ground. So a state is known from one absolute angle a body,
-in the order of the bodies; these angles are the *joint angles* `phi` of this package.
+output pins on the output shaft (ring pins, if the ring is the output), everything else on the ground. So a state is
+known from one absolute angle a body, in the order of the bodies; these angles are the *joint angles* `phi` of this
+package.
 """
 
 from __future__ import annotations
@@ -31,11 +32,12 @@ class Layout:
     wheels: int
     external_sleeves: int
     internal_sleeves: int
+    ring_turns: bool = False
 
     @staticmethod
     def of(gear: Gear) -> Layout:
         """The layout of a gear."""
-        return Layout(gear.wheels, gear.external_sleeves, gear.internal_sleeves)
+        return Layout(gear.wheels, gear.external_sleeves, gear.internal_sleeves, gear.ring_turns)
 
     @property
     def wheel_bodies(self) -> slice:
@@ -55,6 +57,11 @@ class Layout:
         return slice(start, start + self.internal_sleeves)
 
     @property
+    def output_bodies(self) -> slice:
+        """The pins on the output: ring pins if the ring is the output."""
+        return self.external_bodies if self.ring_turns else self.internal_bodies
+
+    @property
     def bodies(self) -> int:
         """Number of bodies."""
         return 2 + self.wheels + self.external_sleeves + self.internal_sleeves
@@ -62,12 +69,11 @@ class Layout:
     @property
     def carriers(self) -> list[int]:
         """The body each body is pinned to; -1 is the ground."""
-        return (
-            [-1, -1]
-            + [INPUT] * self.wheels
-            + [-1] * self.external_sleeves
-            + [OUTPUT] * self.internal_sleeves
-        )  # fmt: skip
+        on = [-1] * self.bodies
+        on[self.wheel_bodies] = [INPUT] * self.wheels
+        pins = self.output_bodies
+        on[pins] = [OUTPUT] * (pins.stop - pins.start)
+        return on
 
 
 class Kinematics:
@@ -151,16 +157,13 @@ class Kinematics:
 
     def lumped_moments(self, scene: Scene) -> Floats:
         """Diagonal of the exact mass matrix in the absolute angles, kg m^2: carried masses lumped into their carrier."""
-        layout, mass, gear = self.layout, scene.mass, scene.gear
+        layout, mass = self.layout, scene.mass
         moments = np.zeros(layout.bodies)
-        wheels, sleeves = gear.wheels * mass.wheel.mass_kg, gear.internal_sleeves * mass.internal_sleeve.mass_kg
-        # Mean squares of the arms.
-        crank, circle = gear.eccentricity_m**2, gear.internal_circle_radius_m**2
-        if gear.has_errors:
-            crank = np.mean(np.abs(self.offsets[layout.wheel_bodies]) ** 2)
-            circle = np.mean(np.abs(self.offsets[layout.internal_bodies]) ** 2)
-        moments[INPUT] = mass.input_shaft.moment_kg_m2 + wheels * crank
-        moments[OUTPUT] = mass.output_shaft.moment_kg_m2 + sleeves * circle
+        pin = mass.external_sleeve if layout.ring_turns else mass.internal_sleeve
+        # Sums of the arms' squares.
+        crank, circle = (np.sum(np.abs(self.offsets[part]) ** 2) for part in (layout.wheel_bodies, layout.output_bodies))
+        moments[INPUT] = mass.input_shaft.moment_kg_m2 + mass.wheel.mass_kg * crank
+        moments[OUTPUT] = mass.output_shaft.moment_kg_m2 + pin.mass_kg * circle
         moments[layout.wheel_bodies] = mass.wheel.moment_kg_m2
         moments[layout.external_bodies] = mass.external_sleeve.moment_kg_m2
         moments[layout.internal_bodies] = mass.internal_sleeve.moment_kg_m2
@@ -169,28 +172,35 @@ class Kinematics:
     def ideal(self, scene: Scene, time_s: float = 0.0) -> tuple[Floats, Floats]:
         """Absolute angles and rates of the ideal mesh: output and discs at -omega/zs, with omega of the eccentrics.
 
-        A disc whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Output pins turn with the
-        output, which starts at 0.
+        A disc whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Pins turn with the output that
+        carries them, which starts at 0. A ring turns at omega/zk, and discs keep their angles.
         """
         layout, zs, omega = self.layout, self.gear.lobes, scene.drive.input_speed_rad_s
         turning = self.gear.eccentric_per_input * omega
         angles, rates = np.zeros(layout.bodies), np.zeros(layout.bodies)
         angles[INPUT], rates[INPUT] = omega * time_s, omega
-        angles[OUTPUT], rates[OUTPUT] = -turning * time_s / zs, -turning / zs
-        f = wheel_phases(self.gear) + turning * time_s
-        angles[layout.wheel_bodies], rates[layout.wheel_bodies] = (math.pi - f) / zs, rates[OUTPUT]
-        angles[layout.internal_bodies], rates[layout.internal_bodies] = angles[OUTPUT], rates[OUTPUT]
+        discs, rates[OUTPUT] = (0.0, turning / (zs + 1)) if layout.ring_turns else (-turning / zs, -turning / zs)
+        angles[OUTPUT] = rates[OUTPUT] * time_s
+        angles[layout.wheel_bodies] = (math.pi - wheel_phases(self.gear)) / zs + discs * time_s
+        rates[layout.wheel_bodies] = discs
+        angles[layout.output_bodies], rates[layout.output_bodies] = angles[OUTPUT], rates[OUTPUT]
         return angles, rates
+
+    def torque_of_pins(self, angle: float, outer: npt.NDArray[np.complex128], inner: npt.NDArray[np.complex128]) -> float:
+        """Returns the moment of forces on ring and on output pins on the output at its angle, N m."""
+        force = outer if self.layout.ring_turns else inner
+        seats = self.offsets[self.layout.output_bodies] * np.exp(1j * angle)
+        return float(np.sum(np.imag(np.conj(seats) * force)))
 
     def output_torque(self, states: Floats, loads: Floats) -> float:
         """Returns the moment on the output shaft without its load, N m.
 
-        The output pins' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on
-        their pins, and of a seal.
+        The contact forces of the pins that it carries, and its own moment: of sleeves that rub on their pins, and of a
+        seal.
         """
-        inner = self.layout.internal_bodies
-        x, y = states[inner, 0] - states[OUTPUT, 0], states[inner, 1] - states[OUTPUT, 1]
-        return float(loads[OUTPUT, 2] + np.sum(x * loads[inner, 1] - y * loads[inner, 0]))
+        pins = self.layout.output_bodies
+        x, y = states[pins, 0] - states[OUTPUT, 0], states[pins, 1] - states[OUTPUT, 1]
+        return float(loads[OUTPUT, 2] + np.sum(x * loads[pins, 1] - y * loads[pins, 0]))
 
 
 def turns(count: int) -> npt.NDArray[np.complex128]:

@@ -71,7 +71,7 @@ def column_names(scene: Scene) -> list[str]:
 
 
 def state_columns(layout: Layout, held_on_output: bool = False) -> dict[str, tuple[int, int]]:
-    """Columns of the bodies' states: body, and component of x y angle vx vy rate. Held output pins turn as the output."""
+    """Columns of bodies' states: body, and component of x y angle vx vy rate. Pins held by the output turn as it does."""
     wheels = range(layout.bodies)[layout.wheel_bodies]
     names = {"output_rate_rad_s": (1, 5)}
     components = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
@@ -79,7 +79,7 @@ def state_columns(layout: Layout, held_on_output: bool = False) -> dict[str, tup
         names |= {f"wheel_{name}_{i}": (body, component) for i, body in enumerate(wheels)}
     for kind, bodies in [("external", layout.external_bodies), ("internal", layout.internal_bodies)]:
         sleeves = enumerate(range(layout.bodies)[bodies])
-        held = held_on_output and kind == "internal"
+        held = held_on_output and bodies == layout.output_bodies
         names |= {f"{kind}_sleeve_rate_rad_s_{i}": (OUTPUT if held else body, 5) for i, body in sleeves}
     return names
 
@@ -92,7 +92,7 @@ class Recorder:
         self.times_s = scene.solver.sample_times_s()
         self.names = column_names(scene)
         self.table = np.zeros((self.times_s.size, len(self.names)))
-        known = state_columns(kinematics.layout, not scene.gear.sleeves_turn[1])
+        known = state_columns(kinematics.layout, not scene.gear.sleeves_turn[not scene.gear.ring_turns])
         asked = [name for name in known if any(fnmatchcase(name, pattern) for pattern in scene.channels)]
         self.places = {name: known[name] for name in asked}
         self.states = np.zeros((self.times_s.size, len(asked)))

@@ -62,6 +62,11 @@ class Gear(Table):
         return float(self._keys.get("eccentric_per_input", 1.0))
 
     @property
+    def ring_turns(self) -> bool:
+        """True if the ring is the output, and the carrier of the output pins is held."""
+        return bool(self._keys.get("ring_turns", False))
+
+    @property
     def pitch_radius_m(self) -> float:
         """R = e zk/m: radius of the circle the ring pins sit on without backlash."""
         return float(self.eccentricity_m * self.external_sleeves / self.shortening)
@@ -264,17 +269,24 @@ def _fold_cranks(data: dict[str, Any]) -> None:
     if cranks is None:
         return
     rho, gear, mass = cranks["sun_teeth"] / cranks["planet_teeth"], data["gear"], data["mass"]
+    if gear["ring_turns"]:
+        gear["eccentric_per_input"] = -rho
+        return
     gear["eccentric_per_input"] = -rho * (gear["external_sleeves"] - 1) / (gear["external_sleeves"] + rho)
     turning = cranks["count"] * mass["internal_sleeve"]["moment_kg_m2"]
     mass["output_shaft"]["moment_kg_m2"] += (1.0 + rho) ** 2 * turning
 
 
-def _fold_held_pins(data: dict[str, Any]) -> None:
-    """Adds the inertia of pins that the output holds to it: the law moves what turns them there."""
-    gear = data.get("gear")
-    if isinstance(gear, dict) and not gear.get("internal_sleeves_turn", True):
+def _fold_output(data: dict[str, Any]) -> None:
+    """Which part the output is, and the inertia of pins that it holds: the law moves what turns them there."""
+    gear, drive = data.get("gear"), data.get("drive")
+    if not isinstance(gear, dict) or not isinstance(drive, dict):
+        return
+    gear["ring_turns"] = drive.get("output") == "ring"
+    kind = "external" if gear["ring_turns"] else "internal"
+    if not gear.get(f"{kind}_sleeves_turn", True):
         mass = data["mass"]
-        mass["output_shaft"]["moment_kg_m2"] += gear["internal_sleeves"] * mass["internal_sleeve"]["moment_kg_m2"]
+        mass["output_shaft"]["moment_kg_m2"] += gear[f"{kind}_sleeves"] * mass[f"{kind}_sleeve"]["moment_kg_m2"]
 
 
 _COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", "output_seal_n_m")
@@ -325,8 +337,8 @@ class Scene:
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"the scene is not valid TOML: {error}") from error
 
+        _fold_output(data)
         _fold_cranks(data)
-        _fold_held_pins(data)
 
         def keys(table: str) -> tuple[dict[str, Any], str]:
             found = data.get(table, {})

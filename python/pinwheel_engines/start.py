@@ -68,7 +68,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
         points = np.empty((len(wheel_turns), angles.size))
         for point, turns in zip(points, wheel_turns, strict=True):
             angles[OUTPUT] = ideal[OUTPUT] + sense * turn
-            angles[layout.internal_bodies] = ideal[layout.internal_bodies] + sense * turn
+            angles[layout.output_bodies] = ideal[layout.output_bodies] + sense * turn
             angles[wheels] = ideal[wheels] + sense * turns
             point[:] = angles
         loads = law.loads(np.array([kinematics.states(point, rates) for point in points]))

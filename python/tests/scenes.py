@@ -52,6 +52,7 @@ hole_radius_m = {[3e-6 * math.sin(23 * k) for k in range(16)]}
 eccentricity_m = [4e-6, -3e-6]
 phase_rad = [3e-4, -5e-4]
 """
+RING = "[gear]\nring_turns = true\n"
 LINE = '[contact]\nlaw = "line-hertz"\npin_young_pa = 1.1e11\npin_poisson = 0.25\nfriction_coefficient = 0.1\n'
 
 ALL = {
@@ -64,6 +65,7 @@ ALL = {
     "modified": MODIFIED,
     "errors": ERRORS,
     "line": LINE,
+    "ring": RING,
 }
 
 

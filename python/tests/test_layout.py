@@ -37,7 +37,7 @@ def test_velocities_are_rates_of_positions(name):
     np.testing.assert_allclose((ahead - back)[:, :3] / (2 * h), kinematics.states(angles, rates)[:, 3:], atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["paper", "eleven", "one-wheel"])
+@pytest.mark.parametrize("name", ["paper", "eleven", "one-wheel", "ring"])
 @pytest.mark.parametrize("time_s", [0.0, 0.0137, 0.31])
 def test_the_ideal_mesh_fits_without_clearance(name, time_s):
     scene = scenes.scene(scenes.ALL[name])

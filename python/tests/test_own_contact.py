@@ -179,6 +179,14 @@ def test_what_a_bed_cannot_do_is_refused(engine, text, words):
         run(scenes.scene(text), engine)
 
 
+def test_a_ring_as_output_is_for_mujoco():
+    scene = scenes.scene(scenes.RING + '[drive]\nstart = "equilibrium"\n', 1e-4)
+    columns = run(scene, "mujoco-own-contact").columns
+    assert columns["output_torque_n_m"][0] == pytest.approx(-22.0, rel=0.05)
+    with pytest.raises(Unsupported, match="a ring that stands still"):
+        run(scene, "exudyn-own-contact")
+
+
 @pytest.mark.parametrize("engine", OWN)
 def test_blow_up_is_an_error_with_the_courses_until_then(engine):
     scene = scenes.scene("", 0.2, sample_s=1e-3)

@@ -30,7 +30,7 @@ import sksundae as sun
 
 FINISHED, FAILED, DIVERGED, USAGE = 0, 1, 3, 1
 INPUT, OUTPUT = 0, 1
-HOUSING, FREE = -1, -2
+FREE = -2
 NOT_FINITE = -3  # status of the law where states are no numbers
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
@@ -225,21 +225,23 @@ class Mechanism:
 class Courses:
     """The contract's courses, one row a sample."""
 
-    def __init__(self, mechanism: Mechanism, path: Path, turn: bool) -> None:
-        self.external = np.nonzero(mechanism.carriers[OUTPUT + 1 :] == HOUSING)[0] + OUTPUT + 1
-        self.internal = np.nonzero(mechanism.carriers == OUTPUT)[0]
-        self.sleeves = np.concatenate([self.external, self.internal])
+    def __init__(self, mechanism: Mechanism, path: Path, gear: dict[str, Any]) -> None:
+        carriers, first = mechanism.carriers, mechanism.count - gear["external_sleeves"] - gear["internal_sleeves"]
+        self.sleeves = np.arange(first, mechanism.count)
+        self.on_output = np.nonzero(carriers == OUTPUT)[0]
         columns = ["time_s", "input_torque_n_m", "output_torque_n_m", "output_angle_rad"]
-        columns += [f"external_sleeve_force_n_{k}" for k in range(self.external.size)]
-        columns += [f"internal_sleeve_force_n_{k}" for k in range(self.internal.size)]
+        rates, bodies = [], iter(self.sleeves)
+        for kind in ("external", "internal"):
+            for k in range(gear[f"{kind}_sleeves"]):
+                body = next(bodies)
+                columns.append(f"{kind}_sleeve_force_n_{k}")
+                # Pins that the output holds turn as it does.
+                held = carriers[body] == OUTPUT and not gear.get(f"{kind}_sleeves_turn", True)
+                rates.append((f"{kind}_sleeve_rate_rad_s_{k}", OUTPUT if held else body, 5))
         # States: places and angles, then velocities and rates.
-        moving = np.setdiff1d(np.arange(OUTPUT + 1, mechanism.carriers.size), self.sleeves)
         kinds = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
-        wheels = [(f"wheel_{name}_{k}", body, place) for place, name in enumerate(kinds) for k, body in enumerate(moving)]
-        rates = [(f"external_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(self.external)]
-        # Held output pins turn as the output.
-        turned = self.internal if turn else [OUTPUT] * self.internal.size
-        rates += [(f"internal_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(turned)]
+        discs = list(enumerate(range(OUTPUT + 1, first)))
+        wheels = [(f"wheel_{name}_{k}", body, place) for place, name in enumerate(kinds) for k, body in discs]
         states = [("output_rate_rad_s", OUTPUT, 5), *wheels, *rates]
         columns += [name for name, _, _ in states]
         self.places = [(body, place) for _, body, place in states]
@@ -248,7 +250,7 @@ class Courses:
 
     def row(self, time_s: float, input_torque: float, states: np.ndarray, loads: np.ndarray) -> None:
         """One sample, from states and contact loads of all bodies."""
-        arm, force = states[self.internal, :2] - states[OUTPUT, :2], loads[self.internal, :2]
+        arm, force = states[self.on_output, :2] - states[OUTPUT, :2], loads[self.on_output, :2]
         # Couples of sleeves on their pins, and the seal.
         own = loads[OUTPUT, 2]
         output_torque = own + float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
@@ -307,7 +309,7 @@ def run(job: Path, library: str) -> None:
 
     y, yp = np.zeros(mechanism.size), np.zeros(mechanism.size)
     y[iq], y[iv] = mechanism.start[:, :3].ravel(), mechanism.start[:, 3:].ravel()
-    courses = Courses(mechanism, job / "courses.csv", scene["gear"].get("internal_sleeves_turn", True))
+    courses = Courses(mechanism, job / "courses.csv", scene["gear"])
     wanted, drift = set(samples), 0.0
 
     def sample(time_s: float) -> None:

@@ -34,7 +34,6 @@ enum Exit { FINISHED = 0, FAILED = 1, DIVERGED = 3 };
 
 constexpr int INPUT = 0;
 constexpr int OUTPUT = 1;
-constexpr int HOUSING = -1;
 constexpr int FREE = -2;
 
 // The numbers ran away; courses until then are written.
@@ -266,7 +265,8 @@ public:
             const int carrier = law.bodies[i].carrier;
             if (carrier == INPUT || carrier == FREE) continue;
             sleeves.push_back(i);
-            columns += carrier == HOUSING ? ",external_sleeve_force_n_" + std::to_string(external++)
+            // Ring pins come first: on the housing, or on a ring that is the output.
+            columns += carrier == law.bodies[sleeves[0]].carrier ? ",external_sleeve_force_n_" + std::to_string(external++)
                                    : ",internal_sleeve_force_n_" + std::to_string(internal++);
         }
         // States of the discs and cranks, then rates of output and pins.

@@ -1,22 +1,12 @@
 //! Refusals of scenes that several engines do not support.
 
-use pinwheel_gearbox::GearboxError;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::Ending;
 
 use crate::external::structure_at_contacts;
 
-/// Refuses scenes whose ring is the output, for engines with ring pins on the ground.
-pub(crate) fn ring_is_held(scene: &Scene) -> Result<(), Ending> {
-    match scene.ring_turns() {
-        true => Err(Ending::unsupported(GearboxError::Ring)),
-        false => Ok(()),
-    }
-}
-
 /// Refuses scenes that require elastic bearings, for engines with revolutes at their discs.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
-    ring_is_held(scene)?;
     let bearings = &scene.bearings;
     if bearings.eccentric.is_some() {
         let reason = "it holds discs by revolutes, and bearings.eccentric lets them move radially";

@@ -48,7 +48,9 @@ pub fn contact_spring(
     gearbox: &Gearbox,
     field: &mut ContactField,
 ) -> Result<ContactSpring, String> {
-    let (layout, load) = (gearbox.layout, spring_load(&gearbox.scene));
+    let (layout, scene) = (gearbox.layout, &gearbox.scene);
+    let on_carrier = scene.carrier_moment_per_output();
+    let load = on_carrier * gearbox.along_carrier_n_m(spring_load(scene));
     // Without a load nothing touches; any small load then gives the stiffness.
     let torque = if load == 0.0 { 1.0 } else { load };
     let mut states: Vec<BodyState> = gearbox.kinematic_states();

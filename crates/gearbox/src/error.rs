@@ -31,6 +31,17 @@ pub enum GearboxError {
         /// Load torque, N m.
         load_n_m: f64,
     },
+    /// Balance that was lost on the way from a heavier load.
+    #[error(
+        "no balance was found under {load_n_m} N m: the teeth carry {from_n_m} N m at this input angle, and on the way to the lighter load \
+         the balance was lost, as parts that carry little rest anywhere in their clearance; take a heavier load or less clearance"
+    )]
+    Lost {
+        /// Load torque, N m.
+        load_n_m: f64,
+        /// Last load with a balance, N m.
+        from_n_m: f64,
+    },
     /// No balance with friction, because the gear locks itself or parts stick.
     #[error("no balance with friction was found; the gear may lock itself")]
     Sticks,
@@ -42,11 +53,6 @@ pub enum GearboxError {
         "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
     )]
     SpeedChanges,
-    /// Ring as output, where ring pins are fixed to the ground.
-    #[error(
-        "it fixes ring pins to the ground, and drive.output = \"ring\" turns them with the output"
-    )]
-    Ring,
     /// Name of an integrator that does not exist.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),

@@ -559,7 +559,8 @@ impl<'a> Statics<'a> {
     /// Solves the equilibrium at the input angle `phi` (rad) under the load torque `load` (N m on the output).
     ///
     /// # Errors
-    /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
+    /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump. [`GearboxError::Lost`]: parts rest in their
+    /// clearance.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         match self.carrier.floats() {
             true => self.solve_floating(phi, load),

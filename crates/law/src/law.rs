@@ -213,16 +213,28 @@ fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }
 
-/// Returns every body, pinned at its centre: shafts and ring pins on the housing, discs on the input shaft unless they float,
-/// output pins on the output shaft.
+/// Returns every body, pinned at its centre: shafts on the housing, discs on the input shaft unless they float, output pins on the
+/// output shaft and ring pins on the housing, or the other way round if the ring is the output.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
-    let gear = &gearbox.scene.gear;
+    let (gear, mass) = (&gearbox.scene.gear, &gearbox.scene.mass);
+    let (turn, count, pin) = match gearbox.scene.ring_turns() {
+        true => (
+            gear.external_sleeves_turn,
+            gear.external_sleeves,
+            mass.external_sleeve,
+        ),
+        false => (
+            gear.internal_sleeves_turn,
+            gear.internal_sleeves,
+            mass.internal_sleeve,
+        ),
+    };
     // Pins fixed to the output turn with it.
-    let held = if gear.internal_sleeves_turn {
+    let held = if turn {
         0.0
     } else {
-        gear.internal_sleeves as f64 * gearbox.scene.mass.internal_sleeve.moment_kg_m2
+        count as f64 * pin.moment_kg_m2
     };
     let bodies = mechanism.bodies.into_iter().enumerate();
     let bodies = bodies.map(|(index, body)| {

@@ -371,11 +371,10 @@ def run(
             guard.check_states(time_s, angles, rates)
             outer, inner = machine.forces(angles)
             guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
-            seat = kinematics.offsets[layout.internal_bodies] * np.exp(1j * angles[OUTPUT])
             torque = machine.driver_torque()
             recorder.record_forces(
                 torque,
-                float(np.sum(np.imag(np.conj(seat) * inner))),
+                kinematics.torque_of_pins(angles[OUTPUT], outer, inner),
                 float(angles[OUTPUT]),
                 np.abs(outer),
                 np.abs(inner),

@@ -262,10 +262,9 @@ def run(
                 guard.check_states(time_s, angles, rates)
                 outer, inner = machine.forces()
                 guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
-                seat = machine.kinematics.offsets[machine.kinematics.layout.internal_bodies] * np.exp(1j * angles[OUTPUT])
                 recorder.record_forces(
                     -machine.driver_kg_m2 * float(data.qacc[machine.coordinate[INPUT]]),
-                    float(np.sum(np.imag(np.conj(seat) * inner))),
+                    machine.kinematics.torque_of_pins(angles[OUTPUT], outer, inner),
                     float(angles[OUTPUT]),
                     np.abs(outer),
                     np.abs(inner),

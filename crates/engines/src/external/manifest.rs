@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pinwheel_files::{Broken, FileError, fits, read_text, require};
-use pinwheel_gearbox::GearboxError;
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
@@ -70,6 +69,8 @@ pub struct Honours {
     pub free_wheels: bool,
     /// Support of `[structure]` in series with the contacts and of `[temperature]`, which forces of the law's library contain.
     pub structure: bool,
+    /// Support of a ring that is the output: ring pins whose carrier is 1, output pins whose carrier is -1.
+    pub ring: bool,
 }
 
 impl Default for Honours {
@@ -81,6 +82,7 @@ impl Default for Honours {
             speed_changes: false,
             free_wheels: false,
             structure: false,
+            ring: false,
         }
     }
 }
@@ -255,8 +257,10 @@ impl Manifest {
                     .to_owned(),
             );
         }
-        if scene.ring_turns() {
-            return Some(GearboxError::Ring.to_string());
+        if scene.ring_turns() && !self.honours.ring {
+            return Some(
+                "its manifest does not honour a ring that is the output (honours.ring)".to_owned(),
+            );
         }
         if !scene.drive.speed_changes.is_empty() && !self.honours.speed_changes {
             return Some(

@@ -15,7 +15,7 @@ use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
 use crate::info::EngineInfo;
-use crate::refusals::{pins_are_rigid, ring_is_held};
+use crate::refusals::pins_are_rigid;
 
 /// Engine of the package.
 #[derive(Debug, Clone, Copy)]
@@ -108,7 +108,6 @@ impl Engine for PythonEngine {
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
-        ring_is_held(&gearbox.scene)?;
         if !gearbox.scene.drive.speed_changes.is_empty() {
             let reason = "it drives the input at one speed, and drive.speed_changes changes it";
             return Err(Ending::unsupported(reason).into());

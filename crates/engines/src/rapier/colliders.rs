@@ -72,8 +72,19 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     if let Some([external, internal]) = spring.masses_kg {
         let mut lighter = Scene::clone(scene);
         let (mass, gear) = (&mut lighter.mass, &scene.gear);
-        let carried = gear.internal_sleeves as f64 * (mass.internal_sleeve.mass_kg - internal);
-        mass.output_shaft.moment_kg_m2 += carried * gear.internal_circle_radius_m.powi(2);
+        let (count, less_kg, radius) = match scene.ring_turns() {
+            true => (
+                gear.external_sleeves,
+                mass.external_sleeve.mass_kg - external,
+                gear.pitch_radius_m(),
+            ),
+            false => (
+                gear.internal_sleeves,
+                mass.internal_sleeve.mass_kg - internal,
+                gear.internal_circle_radius_m,
+            ),
+        };
+        mass.output_shaft.moment_kg_m2 += count as f64 * less_kg * radius.powi(2);
         for (sleeve, kg) in [
             (&mut mass.external_sleeve, external),
             (&mut mass.internal_sleeve, internal),

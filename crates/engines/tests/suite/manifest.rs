@@ -63,8 +63,13 @@ fn a_manifest_as_documented() {
     let load = "drive.load_changes=[{time_s=0.1,output_torque_n_m=30.0}]";
     assert!(manifest.refuses(&scene(&[load])).is_some());
     let speed = "drive.speed_changes=[{time_s=0.1,input_speed_rad_s=30.0,ramp_s=0.1}]";
-    let refused = manifest.refuses(&scene(&[speed]));
-    assert!(refused.is_some_and(|why| why.contains("honours.speed_changes")));
+    for (set, key) in [
+        (speed, "honours.speed_changes"),
+        ("drive.output=ring", "honours.ring"),
+    ] {
+        let refused = manifest.refuses(&scene(&[set]));
+        assert!(refused.is_some_and(|why| why.contains(key)), "{key}");
+    }
     // Seats, slots, shared pins and sizes of warm parts stand in the law's library; flanges stand behind the output.
     for (key, size, refuses) in [
         ("ring_seat_length_m", "0.008", true),

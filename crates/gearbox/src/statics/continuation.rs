@@ -111,7 +111,7 @@ impl Statics<'_> {
     /// Returns the error with its cause, where that is not the load.
     fn explained(&self, error: GearboxError) -> GearboxError {
         match (self.gearbox.scene.contact.detection, error) {
-            (Detection::Points, GearboxError::NoEquilibrium { .. }) => {
+            (Detection::Points, GearboxError::NoEquilibrium { .. } | GearboxError::Lost { .. }) => {
                 GearboxError::Geometry(POINTS.to_owned())
             }
             (_, error) => error,
@@ -146,7 +146,10 @@ impl Statics<'_> {
                 None => part = f64::min(next / at, at / next).sqrt(),
             }
             if part * LEAST_GROWTH > 1.0 {
-                return Err(GearboxError::NoEquilibrium { load_n_m: load });
+                return Err(GearboxError::Lost {
+                    load_n_m: load,
+                    from_n_m: at,
+                });
             }
         }
         Ok(here)

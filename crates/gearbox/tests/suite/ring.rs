@@ -236,7 +236,7 @@ fn crossval_a_unit_whose_ring_turns() {
 #[test]
 fn bad_input_a_ring_with_what_it_does_not_go_with() {
     for (set, part) in [
-        ("solver.formulation=lagrange", "solver.formulation"),
+        ("solver.integrator=imex2", "solver.integrator"),
         ("bearings.output_seal_n_m=0.1", "output_seal_n_m"),
     ] {
         let sets = [RING, set].map(|set| set.parse().unwrap());

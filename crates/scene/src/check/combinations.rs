@@ -7,7 +7,7 @@ use crate::FrictionLaw;
 use pinwheel_files::quoted;
 
 use crate::error::Fault;
-use crate::model::{Detection, Formulation, Scene};
+use crate::model::{Detection, Scene};
 use crate::number::short;
 use crate::scales::law;
 
@@ -103,10 +103,6 @@ fn ring(scene: &Scene) -> Result<(), Fault> {
         (
             "bearings.output_seal_n_m",
             bearings.output_seal_n_m.is_some(),
-        ),
-        (
-            "solver.formulation",
-            solver.formulation == Formulation::Lagrange,
         ),
         ("solver.integrator", split),
     ];

@@ -33,6 +33,10 @@ static OF_FORCES: [&FigureDef; 14] = [
 /// Why there is no efficiency of slow motion.
 const ALL_ROLL: &str = "all pins roll on the discs and none rubs on its own pin, so slow motion loses nothing; state \
                         bearings.sleeve_friction_coefficient, or pins that do not turn";
+/// Why there is no width of the loop. Under a falling load friction may hold a disc that one crank carries nearly alone anywhere in the
+/// clearance of its other bearings: its instant centre, through which all forces on the ring pass, is near that crank.
+const HISTORY: &str = "no balance of a rising and falling load was found at some input angle: parts stick there, such as a disc in its \
+                       bearings' clearance, and where depends on earlier loads; a gear without clearance has a width";
 /// Loads of the loop, as shares of the rated torque.
 const WIDTHS: [(f64, &FigureDef); 2] = [
     (LOST, &defs::HYSTERESIS),
@@ -144,8 +148,7 @@ pub(crate) fn hysteresis(
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
         let widths = found.iter().flatten().map(|widths| widths[k]);
         let Some(widths) = widths.collect::<Option<Vec<_>>>() else {
-            let why = GearboxError::Sticks.to_string();
-            return vec![def.of(None, None).withheld(why)];
+            return vec![def.of(None, None).withheld(HISTORY.to_owned())];
         };
         let mut figures = parted(poses.parts, |every, of| {
             let some = widths.chunks(2).skip(of).step_by(every).flatten();
