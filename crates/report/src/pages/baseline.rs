@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::format::joined;
-use crate::study::{self, Block, Section, Study, Tone};
+use crate::format::{joined, relative};
+use crate::study::{self, Block, Decision, Question, Section, Study, Tone};
 use crate::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
@@ -49,6 +49,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
             headline: headline(check.verdict).to_owned(),
             detail: joined("; ", sentences(name, check)),
         }),
+        decision: decision(name, check, made),
         sections: vec![
             Section::new("moved", "What moved")
                 .with(Block::List(stages(check).collect()))
@@ -178,6 +179,57 @@ fn headline(verdict: Verdict) -> &'static str {
         Verdict::Traded => "Something is more accurate and dearer",
         Verdict::Worse => "Something is worse",
     }
+}
+
+fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
+    let all = check.cases.iter();
+    let all = all.flat_map(|case| case.quantities.iter().map(move |of| (case, of)));
+    let last = |size: fn(&QuantityCheck) -> f64| {
+        all.clone()
+            .max_by(move |(_, a), (_, b)| size(a).total_cmp(&size(b)))
+    };
+    let right = last(|of| of.error_after).map(|(case, of)| {
+        let why = format!("of a converged run at most: {}, {}", of.label, place(case));
+        let mark = mark(check.verdict);
+        Question::Right.answered(mark, format!("within {}", relative(of.error_after)), why)
+    });
+    let sure = last(|of| of.rounding_limit).map(|(case, of)| {
+        let why = format!("larger changes are seen: of {}, {}", of.label, place(case));
+        Question::Sure.answered(
+            Mark::None,
+            format!("to {}", relative(of.rounding_limit)),
+            why,
+        )
+    });
+    let words = crate::pages::words(made);
+    let with = |names: &[&str]| crate::pages::options(&words, names);
+    let worst = check.cases.iter().max_by_key(|case| case.verdict);
+    let (said, why) = match (check.verdict, worst) {
+        (Verdict::Same, _) | (_, None) => (
+            "nothing to accept".to_owned(),
+            "results are the accepted ones",
+        ),
+        (Verdict::Worse, Some(case)) => {
+            let (with, scene) = (with(&["--dir", "--solver"]), &case.scene);
+            (
+                format!("`pinwheel baseline check {name}{with} --only {scene}`"),
+                "the worst case alone, once it is mended",
+            )
+        }
+        _ => {
+            let with = with(&["--dir", "--only", "--solver"]);
+            (
+                format!("`pinwheel baseline record {name}{with} --accept \"why\"`"),
+                "if the change is meant",
+            )
+        }
+    };
+    [
+        right,
+        None,
+        sure,
+        Some(Question::Next.answered(Mark::None, said, why)),
+    ]
 }
 
 /// Returns one line for each solver.

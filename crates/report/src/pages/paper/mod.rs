@@ -1,6 +1,9 @@
 //! Page of the study of the paper.
 
-use crate::study::{self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tone};
+use crate::format::joined;
+use crate::study::{
+    self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tile, Tone,
+};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
@@ -31,6 +34,19 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         ClaimVerdict::Meaningless,
     ]
     .map(count);
+    let tile = |label: &str, count: usize, wanted: ClaimVerdict| {
+        let of = found.claims.iter().filter(|of| of.verdict == wanted);
+        let claims = joined("; ", of.map(|of| of.claim.claim.as_str()));
+        Tile::new(label, count.to_string(), claims)
+    };
+    let tiles = vec![
+        tile("Do not hold", not, ClaimVerdict::DoesNotHold),
+        tile(
+            "Hold under a condition",
+            sometimes,
+            ClaimVerdict::Conditional,
+        ),
+    ];
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
@@ -54,6 +70,7 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
                 "whether other engines agree on the paper's gear",
             )),
         ],
+        tiles,
         // A claim that does not hold is a finding, not a failure.
         verdict: Some(study::Verdict {
             tone: Tone::Neutral,
