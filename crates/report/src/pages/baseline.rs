@@ -182,54 +182,44 @@ fn headline(verdict: Verdict) -> &'static str {
 }
 
 fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
-    let all = check.cases.iter();
-    let all = all.flat_map(|case| case.quantities.iter().map(move |of| (case, of)));
-    let last = |size: fn(&QuantityCheck) -> f64| {
-        all.clone()
-            .max_by(move |(_, a), (_, b)| size(a).total_cmp(&size(b)))
+    let most = |size: fn(&QuantityCheck) -> f64| {
+        let all = check.cases.iter();
+        let all = all.flat_map(|case| case.quantities.iter().map(move |of| (case, of)));
+        let (case, of) = all.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)))?;
+        Some((relative(size(of)), format!("{}, {}", of.label, place(case))))
     };
-    let right = last(|of| of.error_after).map(|(case, of)| {
-        let why = format!("of a converged run at most: {}, {}", of.label, place(case));
-        let mark = mark(check.verdict);
-        Question::Right.answered(mark, format!("within {}", relative(of.error_after)), why)
+    let right = most(|of| of.error_after).map(|(off, at)| {
+        let why = format!("of a converged run at most: {at}");
+        Question::Right.answered(mark(check.verdict), format!("within {off}"), why)
     });
-    let sure = last(|of| of.rounding_limit).map(|(case, of)| {
-        let why = format!("larger changes are seen: of {}, {}", of.label, place(case));
-        Question::Sure.answered(
-            Mark::None,
-            format!("to {}", relative(of.rounding_limit)),
-            why,
-        )
+    let sure = most(|of| of.rounding_limit).map(|(off, at)| {
+        let why = format!("larger changes are seen: of {at}");
+        Question::Sure.answered(Mark::None, format!("to {off}"), why)
     });
     let words = crate::pages::words(made);
     let with = |names: &[&str]| crate::pages::options(&words, names);
-    let worst = check.cases.iter().max_by_key(|case| case.verdict);
-    let (said, why) = match (check.verdict, worst) {
-        (Verdict::Same, _) | (_, None) => (
+    let (said, why) = match check.verdict {
+        Verdict::Same => (
             "nothing to accept".to_owned(),
             "results are the accepted ones",
         ),
-        (Verdict::Worse, Some(case)) => {
-            let (with, scene) = (with(&["--dir", "--solver"]), &case.scene);
-            (
-                format!("`pinwheel baseline check {name}{with} --only {scene}`"),
-                "the worst case alone, once it is mended",
-            )
+        Verdict::Worse => {
+            let scene = check.cases.iter().max_by_key(|case| case.verdict);
+            let (with, scene) = (
+                with(&["--dir", "--solver"]),
+                scene.map_or("", |of| &of.scene),
+            );
+            let command = format!("`pinwheel baseline check {name}{with} --only {scene}`");
+            (command, "the worst case alone, once it is mended")
         }
         _ => {
             let with = with(&["--dir", "--only", "--solver"]);
-            (
-                format!("`pinwheel baseline record {name}{with} --accept \"why\"`"),
-                "if the change is meant",
-            )
+            let command = format!("`pinwheel baseline record {name}{with} --accept \"why\"`");
+            (command, "if the change is meant")
         }
     };
-    [
-        right,
-        None,
-        sure,
-        Some(Question::Next.answered(Mark::None, said, why)),
-    ]
+    let next = Question::Next.answered(Mark::None, said, why);
+    [right, None, sure, Some(next)]
 }
 
 /// Returns one line for each solver.

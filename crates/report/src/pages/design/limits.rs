@@ -84,21 +84,13 @@ pub(crate) fn tile(limits: &Limits) -> Tile {
     Question::Bears.answered(mark(limits), said, why)
 }
 
-/// Tile of two gears: their margins and decisive limits.
+/// Tile of two gears: their margins, and the decisive limit of the second.
 pub(crate) fn both_bear(both: [&Limits; 2]) -> Tile {
-    let [first, second] = both.map(tile);
     let [from, to] = both.map(|limits| limits.margin.map_or_else(|| NONE.to_owned(), margin));
-    let mark = match first.mark == second.mark {
-        true => first.mark,
-        false => Mark::Warn,
-    };
-    let mut why = vec![first.detail, second.detail];
-    why.dedup();
-    Question::Bears.answered(
-        mark,
-        format!("margin {from} \u{2192} {to}"),
-        joined("; ", why),
-    )
+    Tile {
+        value: format!("margin {from} \u{2192} {to}"),
+        ..tile(both[1])
+    }
 }
 
 /// Returns the table of every limit.

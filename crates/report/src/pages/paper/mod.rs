@@ -34,19 +34,9 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         ClaimVerdict::Meaningless,
     ]
     .map(count);
-    let tile = |label: &str, count: usize, wanted: ClaimVerdict| {
-        let of = found.claims.iter().filter(|of| of.verdict == wanted);
-        let claims = joined("; ", of.map(|of| of.claim.claim.as_str()));
-        Tile::new(label, count.to_string(), claims)
-    };
-    let tiles = vec![
-        tile("Do not hold", not, ClaimVerdict::DoesNotHold),
-        tile(
-            "Hold under a condition",
-            sometimes,
-            ClaimVerdict::Conditional,
-        ),
-    ];
+    let failed = found.claims.iter();
+    let failed = failed.filter(|of| of.verdict == ClaimVerdict::DoesNotHold);
+    let failed = joined("; ", failed.map(|of| of.claim.claim.as_str()));
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
@@ -70,7 +60,7 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
                 "whether other engines agree on the paper's gear",
             )),
         ],
-        tiles,
+        tiles: vec![Tile::new("Do not hold", not.to_string(), failed)],
         // A claim that does not hold is a finding, not a failure.
         verdict: Some(study::Verdict {
             tone: Tone::Neutral,
