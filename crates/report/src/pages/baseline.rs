@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::format::{joined, relative};
-use crate::study::{self, Block, Decision, Question, Section, Study, Tone};
+use crate::study::{self, Block, Decision, Question, Section, Study, Tile, Tone};
 use crate::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
@@ -198,9 +198,10 @@ fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
     });
     let words = crate::pages::words(made);
     let with = |names: &[&str]| crate::pages::options(&words, names);
-    let (said, why) = match check.verdict {
-        Verdict::Same => (
-            "nothing to accept".to_owned(),
+    let next = match check.verdict {
+        Verdict::Same => Question::Next.answered(
+            Mark::None,
+            "nothing to accept",
             "results are the accepted ones",
         ),
         Verdict::Worse => {
@@ -209,16 +210,15 @@ fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
                 with(&["--dir", "--solver"]),
                 scene.map_or("", |of| &of.scene),
             );
-            let command = format!("`pinwheel baseline check {name}{with} --only {scene}`");
-            (command, "the worst case alone, once it is mended")
+            let command = format!("pinwheel baseline check {name}{with} --only {scene}");
+            Tile::next(&command, "the worst case alone, once it is mended")
         }
         _ => {
             let with = with(&["--dir", "--only", "--solver"]);
-            let command = format!("`pinwheel baseline record {name}{with} --accept \"why\"`");
-            (command, "if the change is meant")
+            let command = format!("pinwheel baseline record {name}{with} --accept \"why\"");
+            Tile::next(&command, "if the change is meant")
         }
     };
-    let next = Question::Next.answered(Mark::None, said, why);
     [right, None, sure, Some(next)]
 }
 

@@ -63,7 +63,7 @@ fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
         .take_while(|word| !word.starts_with('-'));
     let scene = scenes.last().unwrap_or(&"SCENE");
     let sets = options(&words, &["--set"]);
-    Question::Next.answered(Mark::None, format!("`pinwheel {verb} {scene}{sets}`"), why)
+    Tile::next(&format!("pinwheel {verb} {scene}{sets}"), why)
 }
 
 /// Splits the command that made a page into its words.
@@ -78,8 +78,8 @@ fn words(made: &Provenance) -> Vec<&str> {
 
 /// Returns the options of a command that have these names, with their values. How it was computed is no part of a question.
 fn options(words: &[&str], names: &[&str]) -> String {
-    let pairs = words.windows(2).filter(|pair| names.contains(&pair[0]));
-    let pairs = pairs.filter(|pair| !pair[1].starts_with("solver."));
+    let asked = |pair: &&[&str]| names.contains(&pair[0]) && !pair[1].starts_with("solver.");
+    let pairs = words.windows(2).filter(asked);
     pairs
         .map(|pair| format!(" {} {}", pair[0], pair[1]))
         .collect()

@@ -54,11 +54,7 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
             Some(Question::Right.answered(Mark::Warn, "one program", "our solver alone")),
             None,
             None,
-            Some(Question::Next.answered(
-                Mark::None,
-                "`pinwheel compare paper`",
-                "whether other engines agree on the paper's gear",
-            )),
+            Some(Tile::next("pinwheel compare paper", "whether other engines agree on its gear")),
         ],
         tiles: vec![Tile::new("Do not hold", not.to_string(), failed)],
         // A claim that does not hold is a finding, not a failure.

@@ -73,12 +73,8 @@ fn decision(atlas: &Atlas) -> Decision {
     let why = "every method is of one program; other engines are a comparison";
     let right = Question::Right.answered(Mark::Warn, "one program", why);
     let next = hardest(atlas).map(|(_, scene)| {
-        let command = format!("`pinwheel compare {scene}`");
-        Question::Next.answered(
-            Mark::None,
-            command,
-            "whether other engines agree on the hardest scene",
-        )
+        let command = format!("pinwheel compare {scene}");
+        Tile::next(&command, "whether other engines agree on the hardest scene")
     });
     [Some(right), None, sure, next]
 }
