@@ -52,6 +52,8 @@ pub(crate) const DESK: Look = Look {
     dark: false,
     still: true,
 };
+/// Width of A4 between its margins, pixels.
+const SHEET: u32 = 718;
 pub(crate) const PHONE: Look = Look { width: 390, ..DESK };
 
 /// Running browser, ended on drop.
@@ -240,8 +242,18 @@ impl Chromium {
         self.call("Page.addScriptToEvaluateOnNewDocument", source);
     }
 
-    /// Sheets of A4 that the page takes in print.
+    /// Sheets of A4 that the page takes in print. What is wider than a sheet would shrink all of it, letters included.
     pub(crate) fn sheets(&mut self) -> usize {
+        self.look(Look {
+            width: SHEET,
+            ..DESK
+        });
+        self.media("print");
+        self.rest();
+        let wide = self.evaluate("document.documentElement.scrollWidth");
+        assert!(wide.as_u64() <= Some(SHEET.into()), "{wide} px in print");
+        self.media("");
+        self.look(DESK);
         let options = json!({"printBackground": true, "paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": true});
         let printed = self.call("Page.printToPDF", options);
         let pdf = STANDARD.decode(printed["data"].as_str().unwrap()).unwrap();

@@ -7,7 +7,7 @@ use pinwheel_tests::{repository, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::{Value, json};
 
-use crate::chromium::browse;
+use crate::chromium::{Chromium, browse};
 use crate::flawless;
 
 /// Runs a study in `dir` and returns its page.
@@ -139,6 +139,11 @@ fn browser_shows_measured_data() {
     });
 }
 
+/// Answers of the first screen to the questions of a decision, the last a command.
+fn decided(browser: &mut Chromium) -> Value {
+    browser.evaluate("[...document.querySelectorAll('.decision .tile')].map((t) => (t.querySelector('code') || t.querySelector('.label')).textContent)")
+}
+
 /// The four questions of a decision, and curves of one engine, which differs from nothing.
 #[test]
 fn browser_shows_a_run() {
@@ -185,6 +190,13 @@ fn browser_shows_two_designs() {
             &page(dir, "compare paper.toml other.toml"),
             [8, 1, 7],
         );
+        let tiles = [
+            "Is it right?",
+            "Will it bear?",
+            "How sure?",
+            "pinwheel compare other.toml",
+        ];
+        assert_eq!(decided(browser), json!(tiles));
         let summary = summary(dir);
         let windows = summary["courses"].as_object().unwrap().values();
         for row in windows.flat_map(|rows| rows.as_array().unwrap()) {
@@ -243,6 +255,9 @@ fn browser_shows_a_baseline() {
         fs::write(&file, format!("{before}right_hand_sides = 8000{after}")).unwrap();
         let page = page(dir, "baseline check --dir baselines --only paper");
         flawless(browser, &page, [0, 0, 4]);
+        let next =
+            "pinwheel baseline record accepted --dir baselines --only paper --accept \"why\"";
+        assert_eq!(decided(browser), json!(["Is it right?", "How sure?", next]));
     });
 }
 

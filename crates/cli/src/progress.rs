@@ -77,7 +77,7 @@ impl Bar {
         self.drawn_ms.store(now_ms, Ordering::Relaxed);
         if !self.terminal {
             if let Ok(mut said) = self.said.lock() {
-                *said = progress.sentence(elapsed.as_secs_f64());
+                *said = progress.sentence();
             }
             return;
         }
@@ -99,7 +99,7 @@ impl Bar {
             (None, None) => progress.done as f64 / progress.total.max(1) as f64,
         };
         bar.set_position((share * PARTS as f64) as u64);
-        bar.set_message(progress.sentence(elapsed.as_secs_f64()));
+        bar.set_message(progress.sentence());
     }
 
     /// Writes where the work is, also while nothing is reported.
@@ -132,8 +132,7 @@ mod tests {
             left_s: Some(40.0),
             ..Progress::new(2, 14, "rapier-shared-law, exudyn-own-contact")
         };
-        let said =
-            |at: Progress<'_>| line("compare", &at.sentence(130.0), Duration::from_secs(130));
+        let said = |at: Progress<'_>| line("compare", &at.sentence(), Duration::from_secs(130));
         assert_eq!(
             said(at),
             "compare, 2 min: 3 of 14, rapier-shared-law, exudyn-own-contact, 40 s left"

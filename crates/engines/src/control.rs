@@ -21,7 +21,7 @@ pub struct Progress<'a> {
     pub simulated_s: Option<[f64; 2]>,
     /// CPU time of the run's thread, if another thread reports.
     pub cpu: Option<Duration>,
-    /// Remaining time, s, if known from other sources than simulated time.
+    /// Remaining time of the whole study, s, if known.
     pub left_s: Option<f64>,
 }
 
@@ -47,17 +47,15 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Returns piece, number and, with simulated time, the remaining time; short, because terminals cut long lines.
-    pub fn sentence(&self, elapsed_s: f64) -> String {
+    /// Returns number, piece and remaining time; short, because terminals cut long lines.
+    pub fn sentence(&self) -> String {
         let mut text = String::new();
         if self.total > 1 {
             let number = (self.done + 1).min(self.total);
             text.push_str(&format!("{number} of {}, ", self.total));
         }
         text.push_str(self.piece);
-        let by_pace = |[at, of]: [f64; 2]| elapsed_s * (of - at).max(0.0) / at;
-        let left = self.left_s.or_else(|| self.simulated_s.map(by_pace));
-        if let Some(left) = left.filter(|left| left.is_finite()) {
+        if let Some(left) = self.left_s.filter(|left| left.is_finite()) {
             text.push_str(&format!(", {} left", span(left)));
         }
         text

@@ -112,6 +112,11 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
         single::prepare(input.engine, gearbox)?;
     }
     let grid = on_one_grid(input.gearboxes)?;
+    // The time left of a run says nothing of the whole.
+    let tell = |at: Progress<'_>| {
+        (control.progress)(Progress { left_s: None, ..at });
+    };
+    let control = &control.limited(control.cancel, &tell);
     let answer = |k: usize| -> Result<_, StudyError> {
         let design = design::answers(input.gearboxes[k], true, control)?;
         let (name, effort) = (&names[k], input.efforts[k]);

@@ -88,7 +88,7 @@ pub mod internals {
     pub use crate::bench::norms::errors;
     pub use crate::bench::ranking::advantage;
     pub use crate::bench::settings::settings;
-    pub use crate::comparison::outlook::{Outlook, left_s};
+    pub use crate::comparison::outlook::{Foretold, Outlook, left_s};
     pub use crate::comparison::refine::Refiner;
     pub use crate::conformance::TRIALS;
     pub use crate::design::drawing::discs;

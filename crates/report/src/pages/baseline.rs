@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::format::joined;
-use crate::study::{self, Block, Section, Study, Tone};
+use crate::format::{joined, relative};
+use crate::study::{self, Block, Decision, Question, Section, Study, Tile, Tone};
 use crate::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
@@ -49,6 +49,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
             headline: headline(check.verdict).to_owned(),
             detail: joined("; ", sentences(name, check)),
         }),
+        decision: decision(name, check, made),
         sections: vec![
             Section::new("moved", "What moved")
                 .with(Block::List(stages(check).collect()))
@@ -178,6 +179,47 @@ fn headline(verdict: Verdict) -> &'static str {
         Verdict::Traded => "Something is more accurate and dearer",
         Verdict::Worse => "Something is worse",
     }
+}
+
+fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
+    let most = |size: fn(&QuantityCheck) -> f64| {
+        let all = check.cases.iter();
+        let all = all.flat_map(|case| case.quantities.iter().map(move |of| (case, of)));
+        let (case, of) = all.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)))?;
+        Some((relative(size(of)), format!("{}, {}", of.label, place(case))))
+    };
+    let right = most(|of| of.error_after).map(|(off, at)| {
+        let why = format!("of a converged run at most: {at}");
+        Question::Right.answered(mark(check.verdict), format!("within {off}"), why)
+    });
+    let sure = most(|of| of.rounding_limit).map(|(off, at)| {
+        let why = format!("larger changes are seen: of {at}");
+        Question::Sure.answered(Mark::None, format!("to {off}"), why)
+    });
+    let words = crate::pages::words(made);
+    let with = |names: &[&str]| crate::pages::options(&words, names);
+    let next = match check.verdict {
+        Verdict::Same => Question::Next.answered(
+            Mark::None,
+            "nothing to accept",
+            "results are the accepted ones",
+        ),
+        Verdict::Worse => {
+            let scene = check.cases.iter().max_by_key(|case| case.verdict);
+            let (with, scene) = (
+                with(&["--dir", "--solver"]),
+                scene.map_or("", |of| &of.scene),
+            );
+            let command = format!("pinwheel baseline check {name}{with} --only {scene}");
+            Tile::next(&command, "the worst case alone, once it is mended")
+        }
+        _ => {
+            let with = with(&["--dir", "--only", "--solver"]);
+            let command = format!("pinwheel baseline record {name}{with} --accept \"why\"");
+            Tile::next(&command, "if the change is meant")
+        }
+    };
+    [right, None, sure, Some(next)]
 }
 
 /// Returns one line for each solver.

@@ -19,7 +19,7 @@ mod limits;
 mod loads;
 
 pub use limits::answer;
-pub(crate) use limits::tile as bears;
+pub(crate) use limits::{both_bear, tile as bears};
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
 use crate::pages::{DOUBT, animation, band, doubts};

@@ -2,7 +2,7 @@
 
 use crate::figure::{cell, number};
 use crate::format::{self, NONE, joined, significant};
-use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
+use crate::study::{Block, Decision, Question, Section, Study, Tile, Tone, Verdict};
 use crate::table::named;
 use crate::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
@@ -49,6 +49,7 @@ pub fn page(found: &DesignDiff, made: &Provenance) -> String {
             found.engine
         ),
         verdict: Some(verdict(found)),
+        decision: decision(found, made),
         tiles: tiles(found),
         sections,
         ..Study::default()
@@ -192,7 +193,7 @@ fn change(row: &Diff) -> String {
         Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
         Some(share) if share.abs() >= 1e-4 => {
             let sign = if share > 0.0 { "+" } else { "" };
-            format!("{sign}{} %", significant(100.0 * share, 3))
+            format!("{sign}{}\u{202f}%", significant(100.0 * share, 3))
         }
         Some(share) => significant(share, 1),
         None => NONE.to_owned(),
@@ -225,6 +226,21 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
         Tile::new(&*row.def.label, format!("{a} \u{2192} {b}"), judged).unit(&*row.def.unit)
     };
     wanted.map(tile).collect()
+}
+
+fn decision(found: &DesignDiff, made: &Provenance) -> Decision {
+    let why = format!("both by {}; no other program", found.engine);
+    let right = Question::Right.answered(Mark::Warn, "not compared", why);
+    let bears = design::both_bear(found.designs.each_ref().map(|one| &one.limits));
+    let heads = found.figures.iter().filter(|row| is_headline(&row.def));
+    let all = heads.clone().count();
+    let shown = heads.filter(|row| row.judged == Judged::Differ).count();
+    let why =
+        "larger than the numerical uncertainty; contact law and fits act on both and are left out";
+    let sure = Question::Sure.answered(Mark::None, format!("{shown} of {all} changes shown"), why);
+    let why = format!("whether other engines confirm {}", found.names[1]);
+    let next = crate::pages::next(made, "compare", &why);
+    [Some(right), Some(bears), Some(sure), Some(next)]
 }
 
 /// Returns a verdict as text, and its mark.

@@ -54,28 +54,35 @@ fn render(mut study: Study, made: &Provenance) -> String {
     study::render(&study)
 }
 
-/// Tile of the next step: the command `verb` for the scene of the command that made a page, with its overrides.
+/// Tile of the next step: the command `verb` for the last scene of the command that made a page, with its overrides.
 fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
+    let words = words(made);
+    let scenes = words
+        .iter()
+        .skip(2)
+        .take_while(|word| !word.starts_with('-'));
+    let scene = scenes.last().unwrap_or(&"SCENE");
+    let sets = options(&words, &["--set"]);
+    Tile::next(&format!("pinwheel {verb} {scene}{sets}"), why)
+}
+
+/// Splits the command that made a page into its words.
+fn words(made: &Provenance) -> Vec<&str> {
     let mut is_quoted = false;
     let words = made.command.split(|c| {
         is_quoted ^= c == '\'';
         c == ' ' && !is_quoted
     });
-    let words: Vec<&str> = words.collect();
-    let scene = match words.as_slice() {
-        ["pinwheel", _, scene, ..] if !scene.starts_with('-') => *scene,
-        _ => "SCENE",
-    };
-    let mut command = format!("pinwheel {verb} {scene}");
-    // How it was computed is no part of the question.
-    let sets = words
-        .iter()
-        .zip(&words[1..])
-        .filter(|(before, word)| **before == "--set" && !word.starts_with("solver."));
-    for (_, word) in sets {
-        command += &format!(" --set {word}");
-    }
-    Question::Next.answered(Mark::None, format!("`{command}`"), why)
+    words.collect()
+}
+
+/// Returns the options of a command that have these names, with their values. How it was computed is no part of a question.
+fn options(words: &[&str], names: &[&str]) -> String {
+    let asked = |pair: &&[&str]| names.contains(&pair[0]) && !pair[1].starts_with("solver.");
+    let pairs = words.windows(2).filter(asked);
+    pairs
+        .map(|pair| format!(" {} {}", pair[0], pair[1]))
+        .collect()
 }
 
 /// Tile of the widest bounds of some figures: by contact law, fit and numerics.

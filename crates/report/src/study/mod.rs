@@ -159,6 +159,11 @@ impl Tile {
         }
     }
 
+    /// Creates the tile of the next step.
+    pub fn next(command: &str, why: &str) -> Self {
+        Question::Next.answered(Mark::None, format!("`{command}`"), why)
+    }
+
     /// Sets the unit.
     #[must_use]
     pub fn unit(self, unit: impl Into<String>) -> Self {

@@ -22,14 +22,12 @@ pub use series::{Cost, Measure, Point, Series};
 pub use settings::Stopped;
 
 use std::path::Path;
-use std::time::Instant;
 
-use pinwheel_engines::{Engine, Form, SharedModel, by_name, registry};
+use pinwheel_engines::{Engine, SharedModel, by_name, registry};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
-use crate::comparison::outlook::{Outlook, left_s};
 use crate::control::{Control, Progress, compile};
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -154,7 +152,9 @@ pub fn run(
     let tasks: Vec<_> = tasks.collect();
     let total = tasks.len() + 2;
     let mut done = 0;
-    let (reference, [time_series, second]) = reference::run(scene, control, &mut |piece| {
+    // A run says nothing of the whole.
+    let quiet = Control::silent(control.cancel);
+    let (reference, [time_series, second]) = reference::run(scene, &quiet, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;
@@ -169,33 +169,15 @@ pub fn run(
         windows: &windows,
         least,
         reference_error: reference_errors[0].force_l2,
-        control,
+        control: &quiet,
     };
     let mut all = Vec::new();
-    let begun = Instant::now();
-    let now_s = || begun.elapsed().as_secs_f64();
-    let usual = |(engine, _): &(&dyn Engine, Option<&str>)| {
-        let runs = if engine.info().form == Some(Form::Lagrange) {
-            8.0
-        } else {
-            4.0
-        };
-        Outlook::usual(runs * options.longest(engine.track()))
-    };
-    let mut outlooks: Vec<Outlook> = tasks.iter().map(usual).collect();
-    for (k, by) in tasks.into_iter().enumerate() {
+    for by in tasks {
         if control.is_cancelled() {
             break;
         }
-        outlooks[k].begun_s = Some(now_s());
-        let mut announce = |piece: &str| {
-            (control.progress)(Progress {
-                left_s: left_s(&outlooks, 1, now_s()),
-                ..Progress::new(done, total, piece)
-            });
-        };
+        let mut announce = |piece: &str| (control.progress)(Progress::new(done, total, piece));
         all.push(setup.series(by, &mut announce)?);
-        outlooks[k].ended_s = Some(now_s());
         done += 1;
     }
     let differences = engines.iter().map(|engine| {

@@ -15,7 +15,7 @@ use pinwheel_engines::kept::{self, Store};
 use pinwheel_engines::{Engine, needs};
 use pinwheel_gearbox::Gearbox;
 
-use super::outlook::{self, Outlook};
+use super::outlook::{Foretold, Outlook, left_s};
 use super::refine::refine;
 use super::{Effort, Input, context};
 use crate::StudyError;
@@ -141,8 +141,8 @@ struct Board<'a> {
     control: &'a Control<'a>,
     jobs: usize,
     begun: Instant,
-    /// Engines, with the time of the last report.
-    lanes: Mutex<(Vec<Lane<'a>>, Instant)>,
+    /// Engines, with the time of the last report and the ends it foretold.
+    lanes: Mutex<(Vec<Lane<'a>>, Instant, Foretold)>,
 }
 
 impl<'a> Board<'a> {
@@ -170,7 +170,7 @@ impl<'a> Board<'a> {
             control,
             jobs: lanes.jobs.max(1),
             begun: now,
-            lanes: Mutex::new((engines.iter().map(lane).collect(), now)),
+            lanes: Mutex::new((engines.iter().map(lane).collect(), now, Foretold::default())),
         }
     }
 
@@ -199,7 +199,7 @@ impl<'a> Board<'a> {
 
     /// Changes the state of an engine, given the time, s, and reports, at once or when a report is due.
     fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>, f64) -> T) -> T {
-        let (lanes, told) = &mut *lock(&self.lanes);
+        let (lanes, told, foretold) = &mut *lock(&self.lanes);
         let now_s = self.begun.elapsed().as_secs_f64();
         let changed = by(&mut lanes[k], now_s);
         if at_once || told.elapsed() >= EVERY {
@@ -211,7 +211,7 @@ impl<'a> Board<'a> {
             let runs: Vec<&str> = runs.map(|lane| lane.name).collect();
             let done = all.iter().filter(|one| one.ended_s.is_some()).count();
             (self.control.progress)(Progress {
-                left_s: outlook::left_s(&all, self.jobs, now_s),
+                left_s: foretold.steady(left_s(&all, self.jobs, now_s), now_s),
                 ..Progress::new(done + 1, lanes.len() + 1, &runs.join(", "))
             });
         }

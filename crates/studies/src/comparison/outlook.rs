@@ -2,14 +2,35 @@
 //!
 //! ```text
 //!  usual cost x pace of those that reported ──> remaining time of each, with a standard deviation ──> of all, if within a third
+//!  ──> if it did not move by more than a third of itself since half of the time
 //! ```
 
-/// Relative standard deviation of a duration by the usual cost of an engine. Measured on three scenes: 0.35 of its logarithm.
-const USUAL: f64 = 0.4;
+/// Relative standard deviation of a duration by the usual cost of an engine. Measured on three presets: 0.35 of its logarithm;
+/// on a gear of `init` an engine took a tenfold.
+const USUAL: f64 = 0.7;
 /// Relative standard deviation of a reported remaining time.
 const REPORTED: f64 = 0.2;
 /// Largest relative standard deviation of a remaining time that is shown.
 const SHOWN: f64 = 1.0 / 3.0;
+/// Share of the time from which on an end must have been foretold.
+const SINCE: f64 = 0.65;
+
+/// Ends that were foretold, as times of the statement and of the end, s.
+#[derive(Debug, Default)]
+pub struct Foretold(Vec<[f64; 2]>);
+
+impl Foretold {
+    /// Returns a remaining time if the end stood still: since half of the time until `now_s`, by a third of that time.
+    pub fn steady(&mut self, left_s: Option<f64>, now_s: f64) -> Option<f64> {
+        let left = left_s?;
+        self.0.push([now_s, now_s + left]);
+        self.0.retain(|[at_s, _]| *at_s >= now_s / 2.0);
+        let ends = || self.0.iter().map(|[_, end_s]| *end_s);
+        let moved = ends().fold(0.0, f64::max) - ends().fold(f64::INFINITY, f64::min);
+        let since_s = self.0[0][0];
+        (since_s <= SINCE * now_s && moved <= SHOWN * left).then_some(left)
+    }
+}
 
 /// Expected work of an engine; times count from the start of all, s.
 #[derive(Debug, Clone, Copy, Default)]

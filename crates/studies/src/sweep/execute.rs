@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::time::Instant;
 
 use pinwheel_engines::{Ending, Engine, Run};
 use pinwheel_gearbox::Gearbox;
@@ -24,6 +25,7 @@ struct Shared<'a> {
     journal: &'a Journal,
     control: &'a Control<'a>,
     duration_s: f64,
+    begun: Instant,
     finished: AtomicUsize,
     /// Simulated time, microseconds.
     simulated_us: AtomicU64,
@@ -44,6 +46,7 @@ pub fn execute(
         journal,
         control,
         duration_s: durations.sum(),
+        begun: Instant::now(),
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
@@ -130,8 +133,10 @@ impl Shared<'_> {
     fn report(&self) {
         let simulated = self.simulated_us.load(Ordering::Relaxed) as f64 * 1e-6;
         let done = self.finished.load(Ordering::Relaxed);
+        let left = (self.duration_s - simulated).max(0.0) / simulated;
         (self.control.progress)(Progress {
             simulated_s: Some([simulated, self.duration_s]),
+            left_s: Some(left * self.begun.elapsed().as_secs_f64()),
             ..Progress::new(done, self.plan.runs.len(), &self.plan.sweep.name)
         });
     }

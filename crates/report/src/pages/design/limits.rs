@@ -15,6 +15,11 @@ fn with_unit(limit: &Limit, value: Option<f64>) -> String {
     format!("{value} {}", limit.def.unit).trim_end().to_owned()
 }
 
+/// Formats a margin; two digits would round what is next to the limit onto it.
+fn margin(margin: f64) -> String {
+    significant(margin, 3)
+}
+
 /// Returns the name of a limit: its figure, and the kind if it has two.
 fn named(limit: &Limit) -> String {
     joined(
@@ -27,10 +32,9 @@ fn named(limit: &Limit) -> String {
 
 /// Returns the answer and its decisive limit.
 pub fn answer(limits: &Limits) -> (String, String) {
-    let Some((limit, margin)) = limits.tightest().zip(limits.margin) else {
+    let Some((limit, by)) = limits.tightest().zip(limits.margin.map(margin)) else {
         return ("not judged".to_owned(), String::new());
     };
-    let by = significant(margin, 2);
     let said = match limits.bears_its_load {
         Answer::Yes => format!("yes, margin {by}"),
         Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
@@ -80,6 +84,15 @@ pub(crate) fn tile(limits: &Limits) -> Tile {
     Question::Bears.answered(mark(limits), said, why)
 }
 
+/// Tile of two gears: their margins, and the decisive limit of the second.
+pub(crate) fn both_bear(both: [&Limits; 2]) -> Tile {
+    let [from, to] = both.map(|limits| limits.margin.map_or_else(|| NONE.to_owned(), margin));
+    Tile {
+        value: format!("margin {from} \u{2192} {to}"),
+        ..tile(both[1])
+    }
+}
+
 /// Returns the table of every limit.
 pub(super) fn table(limits: &Limits) -> Table {
     let of = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), number);
@@ -91,11 +104,7 @@ pub(super) fn table(limits: &Limits) -> Table {
         .said(move |limit| of(limit.permissible))
         .text("", "Unit", |limit| &*limit.def.unit)
         .number("", "Margin", |limit| limit.margin)
-        .said(|limit| {
-            limit
-                .margin
-                .map_or_else(|| NONE.to_owned(), |m| significant(m, 2))
-        })
+        .said(|limit| limit.margin.map_or_else(|| NONE.to_owned(), margin))
         .text("", "By", |limit| &*limit.source)
         .done()
 }

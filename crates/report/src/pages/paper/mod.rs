@@ -1,6 +1,9 @@
 //! Page of the study of the paper.
 
-use crate::study::{self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tone};
+use crate::format::joined;
+use crate::study::{
+    self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tile, Tone,
+};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
@@ -31,6 +34,9 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         ClaimVerdict::Meaningless,
     ]
     .map(count);
+    let failed = found.claims.iter();
+    let failed = failed.filter(|of| of.verdict == ClaimVerdict::DoesNotHold);
+    let failed = joined("; ", failed.map(|of| of.claim.claim.as_str()));
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
@@ -48,12 +54,9 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
             Some(Question::Right.answered(Mark::Warn, "one program", "our solver alone")),
             None,
             None,
-            Some(Question::Next.answered(
-                Mark::None,
-                "`pinwheel compare paper`",
-                "whether other engines agree on the paper's gear",
-            )),
+            Some(Tile::next("pinwheel compare paper", "whether other engines agree on its gear")),
         ],
+        tiles: vec![Tile::new("Do not hold", not.to_string(), failed)],
         // A claim that does not hold is a finding, not a failure.
         verdict: Some(study::Verdict {
             tone: Tone::Neutral,

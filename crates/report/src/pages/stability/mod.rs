@@ -34,7 +34,7 @@ pub fn page(atlas: &Atlas, made: &Provenance) -> String {
 fn verdict(atlas: &Atlas) -> Verdict {
     let (rows, all) = (atlas.done().count(), atlas.rows.len());
     let unserved = atlas.unserved();
-    let served = format!("{} %", 100.0 * SERVED);
+    let served = format::limit(SERVED);
     let stopped = match rows < all {
         true => format!(" The study was stopped: {rows} of {all} scenes are done."),
         false => String::new(),
@@ -59,21 +59,22 @@ fn verdict(atlas: &Atlas) -> Verdict {
 }
 
 fn decision(atlas: &Atlas) -> Decision {
-    let references = atlas.done().filter_map(|row| row.reference.as_ref());
-    let apart = references.map(|run| run.apart.forces).reduce(f64::max);
-    let sure = apart.map(|apart| {
-        let why = "of forces: two converged runs of a scene, where they are furthest apart";
-        Question::Sure.answered(Mark::None, format!("to {}", format::relative(apart)), why)
-    });
+    // Without loads the forces are rounding.
+    let loaded = |row: &&SceneRow| row.cells.iter().any(|cell| cell.error.is_some());
+    let references = atlas.done().filter(loaded);
+    let references = references.filter_map(|row| Some((&row.scene, row.reference.as_ref()?)));
+    let apart = references.map(|(scene, run)| (run.apart.forces, scene));
+    let sure = apart
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(apart, scene)| {
+            let why = format!("of forces: two converged runs of {scene}, which are furthest apart");
+            Question::Sure.answered(Mark::None, format!("to {}", format::relative(apart)), why)
+        });
     let why = "every method is of one program; other engines are a comparison";
     let right = Question::Right.answered(Mark::Warn, "one program", why);
     let next = hardest(atlas).map(|(_, scene)| {
-        let command = format!("`pinwheel compare {scene}`");
-        Question::Next.answered(
-            Mark::None,
-            command,
-            "whether other engines agree on the hardest scene",
-        )
+        let command = format!("pinwheel compare {scene}");
+        Tile::next(&command, "whether other engines agree on the hardest scene")
     });
     [Some(right), None, sure, next]
 }

@@ -125,12 +125,8 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
             format!("{}, numerical", figure.label),
         )
     });
-    let command = format!("`pinwheel compare {}`", sweep.scene);
-    let next = Question::Next.answered(
-        Mark::None,
-        command,
-        "whether other engines agree on the scene",
-    );
+    let command = format!("pinwheel compare {}", sweep.scene);
+    let next = Tile::next(&command, "whether other engines agree on the scene");
     [Some(right), bears, sampled.or(sure), Some(next)]
 }
 
