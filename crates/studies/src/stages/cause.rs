@@ -120,37 +120,44 @@ pub(super) fn cause(
             / whole
     };
     let best = |sets: Vec<Vec<usize>>, least: f64| {
-        let fits = sets.into_iter().filter_map(|set| {
-            let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
-            let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
-            let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
-            let fit = fit(run, native, begun, &limits, &mut |sizes| {
-                predict(&of, sizes)
-            })?;
-            let free = (run.len() as f64).sqrt();
-            let mut sizes = fit.sizes.iter();
-            let is_clear = sizes.all(|[size, error]| free * size.abs() > CLEAR * error);
-            (fit.explained >= least && is_clear).then_some((of, fit))
-        });
-        let fits: Vec<(Vec<usize>, Fit)> = fits.collect();
-        let most = fits
-            .iter()
-            .map(|(_, fit)| fit.explained)
-            .fold(0.0, f64::max);
-        // What is exact is told from what is almost so.
-        let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
-        let alike = fits
-            .into_iter()
-            .filter(|(_, fit)| most - fit.explained < apart);
         // The first of those that look alike.
         let telling = |(of, fit): &(Vec<usize>, Fit)| {
             let each = of.iter().zip(&fit.sizes);
             each.filter(|(k, [size, _])| suspects[**k].size.is_telling(*size))
                 .count()
         };
-        alike.min_by_key(|found| Reverse(telling(found)))
+        let mut fits: Vec<(Vec<usize>, Fit)> = Vec::new();
+        for set in sets {
+            let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
+            let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
+            let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
+            let near = &mut |sizes: &[f64]| predict(&of, sizes);
+            let Some(fit) = fit(run, native, begun, &limits, near) else {
+                continue;
+            };
+            let free = (run.len() as f64).sqrt();
+            let mut sizes = fit.sizes.iter();
+            let is_clear = sizes.all(|[size, error]| free * size.abs() > CLEAR * error);
+            if fit.explained >= least && is_clear {
+                fits.push((of, fit));
+                // No other explains more, or is more likely.
+                let is_last = |it: &(Vec<usize>, Fit)| {
+                    1.0 - it.1.explained < ALIKE && telling(it) == it.0.len()
+                };
+                if fits.last().is_some_and(is_last) {
+                    break;
+                }
+            }
+        }
+        fits.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        let each = fits.iter().map(|(_, fit)| fit.explained);
+        let most = each.fold(0.0, f64::max);
+        // What is exact is told from what is almost so.
+        let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
+        fits.retain(|(_, fit)| most - fit.explained < apart);
+        fits.into_iter().min_by_key(|found| Reverse(telling(found)))
     };
-    let nearest = |sets: Vec<Vec<usize>>| {
+    let nearest = |sets: Vec<Vec<usize>>| -> Vec<Vec<usize>> {
         let mut sets: Vec<(f64, Vec<usize>)> =
             sets.into_iter().map(|set| (share(&set), set)).collect();
         sets.retain(|(share, _)| *share > LEAST);
@@ -161,9 +168,7 @@ pub(super) fn cause(
             .map(|(share, _)| share - ALIKE)
             .nth(FOLLOWED - 1);
         sets.retain(|(share, _)| last.is_none_or(|last| *share >= last));
-        let mut sets: Vec<Vec<usize>> = sets.into_iter().map(|(_, set)| set).collect();
-        sets.sort_unstable();
-        sets
+        sets.into_iter().map(|(_, set)| set).collect()
     };
     let singles = (0..slopes.len()).map(|k| vec![k]).collect();
     let mut found = best(nearest(singles), least);

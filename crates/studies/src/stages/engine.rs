@@ -89,7 +89,7 @@ pub fn of_engine(
         let name = engine.name();
         // Without states the columns alone may show a cause.
         let left = [whole, search - kept].map(|most| most.saturating_sub(taken.get()));
-        let by_columns = || of_record(gearbox, name, run, left[1]);
+        let by_columns = || of_record(gearbox, name, run, left[1] + kept);
         let is_blind = !states.missing(run).is_empty();
         let found = is_blind.then(by_columns).flatten();
         let runs = Runs {
@@ -146,7 +146,7 @@ pub fn of_engine(
         };
         cost = (more as f64).powi(2) / (count as f64 * share);
         // The search leaves enough to confirm that the motion is off.
-        let kept = if level < LEVELS { search / 4 } else { 0 };
+        let kept = if level < LEVELS { search / 8 } else { 0 };
         located = judge(&own, Some((&finer, falls)), kept);
         // Steps that are far too long show no order.
         let is_open =

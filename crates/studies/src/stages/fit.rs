@@ -78,7 +78,7 @@ pub(super) fn fit(
             return None;
         }
         // A model far away may not exist, or be worse.
-        let tried = (0..7).find_map(|halvings| {
+        let tried = (0..if step == 0 { 7 } else { 3 }).find_map(|halvings| {
             let part = 0.5_f64.powi(halvings);
             let next = at.iter().zip(&steps).zip(limits);
             let next: Vec<f64> = next

@@ -121,7 +121,7 @@ const NEAR: f64 = 1e-5;
 const FITTED: [usize; 3] = [3, 7, 10];
 /// Flows of each that the search takes.
 const FLOWS: u64 = 64;
-/// Least number of intervals that are judged; more take a quarter of the evaluations that are left at most.
+/// Least number of intervals that are judged; more take an eighth of the evaluations that are left at most.
 const INTERVALS: usize = 8;
 /// Distance of a run from a native one with its cause, relative.
 const WITH: f64 = 0.05;
@@ -254,7 +254,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 few.flows(model)
             });
         }
-        let alone = found.is_none() && fine.is_alone();
+        let alone = found.is_none() && fine.is_alone() && !fine.keeps_pins();
         for judged in &mut located.stages {
             match judged.stage {
                 Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),
@@ -321,7 +321,7 @@ fn judged_motion(
     let mut found = of(INTERVALS)?;
     let each = ((work.taken() - before) / INTERVALS as u64).max(1);
     // Those of a run with a larger step cost as much.
-    let most = (work.left() / (8 * each)) as usize;
+    let most = (work.left() / (16 * each)) as usize;
     if most > INTERVALS {
         found = of(most.min(SAMPLES))?;
     }

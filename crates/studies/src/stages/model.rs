@@ -210,7 +210,7 @@ const RUN: [f64; 2] = [1e-8, 1e-6];
 /// Evaluations that a Jacobian counts as.
 const JACOBIAN: u64 = 4;
 /// Steps of the flow over one interval; more are no flow.
-const STEPS: usize = 400;
+const STEPS: usize = 100;
 
 impl<'a> Model<'a> {
     /// Returns the equations of a gear with changes; `None` if there is no such gear.

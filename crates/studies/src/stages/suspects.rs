@@ -147,24 +147,22 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
         });
         add(Law, "damping", "damping without its ramp", Switch, change);
     }
-    let of_keys: [(Stage, &str, &str, Key); 4] = [
-        (Law, "damping", "contact.ramp_m", |s| &mut s.contact.ramp_m),
-        (Law, "friction", "contact.friction_ramp_m_s", |s| {
-            &mut s.contact.friction_ramp_m_s
-        }),
-        (Start, "eccentricity", "gear.eccentricity_m", |s| {
-            &mut s.gear.eccentricity_m
-        }),
-        (Equations, "load", "drive.load_ramp_s", |s| {
-            &mut s.drive.load_ramp_s
-        }),
-    ];
-    for (stage, cause, what, key) in of_keys {
+    let mut of_key = |stage, cause, what, key: Key| {
         if *key(&mut Scene::clone(scene)) != 0.0 {
             let change = keys(move |scene, p| *key(scene) *= 1.0 + p);
             add(stage, cause, what, Factor, change);
         }
-    }
+    };
+    of_key(Law, "damping", "contact.ramp_m", |s| &mut s.contact.ramp_m);
+    of_key(Law, "friction", "contact.friction_ramp_m_s", |s| {
+        &mut s.contact.friction_ramp_m_s
+    });
+    of_key(Start, "eccentricity", "gear.eccentricity_m", |s| {
+        &mut s.gear.eccentricity_m
+    });
+    of_key(Equations, "load", "drive.load_ramp_s", |s| {
+        &mut s.drive.load_ramp_s
+    });
     let turned = |discs: Range<usize>| {
         keys(move |scene, p| {
             let errors = &mut scene.gear.errors.phase_rad;
@@ -223,31 +221,24 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
+    // A disc's motion knows moment over inertia alone.
+    let what = "moments of contact forces on the discs";
+    add(Assembly, "lever", what, Factor, Change::Lever);
+    add(Equations, "load", "load", Factor, Change::Load);
+    add(
+        Integration,
+        "step",
+        "motion in a step",
+        Factor,
+        Change::Step,
+    );
     let last = 2 + layout.external_sleeves + count;
-    for (stage, cause, what, change) in [
-        // A disc's motion knows moment over inertia alone.
-        (
-            Assembly,
-            "lever",
-            "moments of contact forces on the discs",
-            Change::Lever,
-        ),
-        (Equations, "load", "load", Change::Load),
-        (Integration, "step", "motion in a step", Change::Step),
-        (
-            Driver,
-            "torque",
-            "driver's torque as written",
-            Change::Column(0, 1),
-        ),
-        (
-            Assembly,
-            "torque",
-            "output's torque as written",
-            Change::Column(1, 2),
-        ),
-        (Law, "force", "forces as written", Change::Column(2, last)),
+    for (stage, cause, what, columns) in [
+        (Driver, "torque", "driver's torque as written", 0..1),
+        (Assembly, "torque", "output's torque as written", 1..2),
+        (Law, "force", "forces as written", 2..last),
     ] {
+        let change = Change::Column(columns.start, columns.end);
         add(stage, cause, what, Factor, change);
     }
     all

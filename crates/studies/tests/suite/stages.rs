@@ -641,7 +641,7 @@ fn names_friction_that_is_not_solved() {
 /// An engine of others that takes the gear for another one.
 #[test]
 fn names_faults_in_an_engine() {
-    use Stage::{Assembly, Driver, Equations, Law, Start};
+    use Stage::{Assembly, ContactSearch, Driver, Equations, Law, Start};
     let of = |change: fn(&mut Solver)| {
         let mut solver = with(change);
         solver.engine = Some("rapier-shared-law");
@@ -713,6 +713,30 @@ fn names_faults_in_an_engine() {
             of(|s| s.column = |k| if k == 1 { 1.02 } else { 1.0 }),
             Assembly,
             &[("torque", 0.02, 1e-5)],
+        ),
+        (
+            "forces as written",
+            of(|s| s.column = |k| if (3..27).contains(&k) { 1.2 } else { 1.0 }),
+            Law,
+            &[("force", 0.2, 1e-5)],
+        ),
+        (
+            "a longer ramp",
+            of(|s| s.scene = |s| s.contact.ramp_m *= 1.2),
+            Law,
+            &[("damping", 0.2, 1e-3)],
+        ),
+        (
+            "holes too large",
+            of(|s| s.scene = |s| s.gear.hole_radius_m += 1e-6),
+            ContactSearch,
+            &[("penetration", -1e-6, 2e-8)],
+        ),
+        (
+            "input late",
+            of(|s| s.scene = |s| s.gear.errors.phase_rad = vec![1e-3; 2]),
+            Start,
+            &[("phase", 1e-3, 1e-6)],
         ),
         (
             "stale foot",
