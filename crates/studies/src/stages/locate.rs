@@ -254,7 +254,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 few.flows(model)
             });
         }
-        let alone = found.is_none() && fine.is_alone() && !fine.keeps_pins();
+        let is_open = found.is_none() && work.left() > 0 && !fine.keeps_pins();
+        let alone = is_open && fine.is_alone();
         for judged in &mut located.stages {
             match judged.stage {
                 Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),

@@ -635,6 +635,8 @@ fn names_friction_that_is_not_solved() {
         let said = found.sentence();
         assert_eq!(found.first(), stage, "{tolerance}: {said}");
         assert!(said.contains(pattern) && found.cause.is_none(), "{said}");
+        // No cause was sought.
+        assert!(!said.contains("no known fault"), "{said}");
     }
 }
 
@@ -1106,6 +1108,9 @@ fn names_the_stage_of_a_key() {
         for both in [[&own, &of(&[set])], [&of(&[set]), &own]] {
             let found = between(&Course::of(both[0]).unwrap(), both[1]).unwrap();
             assert_eq!(found.first(), stage, "{set}: {}", found.sentence());
+            let mut drawn = found.pictures.iter();
+            let is_drawn = drawn.any(|picture| Some(picture.stage) == stage);
+            assert_eq!(is_drawn, stage.is_some(), "{set}");
         }
     }
     let other = of(&["gear.wheels=1"]);
