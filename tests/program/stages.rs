@@ -20,6 +20,7 @@ fn crossval_a_comparison_names_the_stage() {
             "law, likely curvature",
             "By place on a lobe: law",
         ),
+        ("exponent", "law, likely exponent", "By pin: law"),
         ("sum", "assembly, likely torque", "Over time: assembly"),
         (
             "inertia",

@@ -94,7 +94,8 @@ pub fn horizon(
     })
 }
 
-fn shares(a: &TimeSeries, b: &TimeSeries, size: f64) -> Vec<f64> {
+/// Returns the largest difference of two runs' forces at each sample, as a share of `size`, N.
+pub(crate) fn shares(a: &TimeSeries, b: &TimeSeries, size: f64) -> Vec<f64> {
     let mut share = vec![0.0_f64; a.len().min(b.len())];
     for prefix in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
         for (x, y) in a.group(prefix).iter().zip(b.group(prefix)) {

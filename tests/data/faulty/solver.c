@@ -3,7 +3,7 @@
  *
  *     solver JOB FAULT
  *
- * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step, search, sum, driver, order. Plane vectors are complex numbers. */
+ * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step, search, sum, driver, order, exponent. Plane vectors are complex numbers. */
 #include "pinwheel_law.h"
 
 #include <complex.h>
@@ -64,7 +64,7 @@ static void touch(int wheel, int sleeve, point w, point n, double depth, double 
         return;
     gap = speed[sleeve] + I * spin[sleeve] * (w - place[sleeve]) - speed[wheel] - I * spin[wheel] * (w - place[wheel]);
     share = fmin(depth / ramp, 1.0);
-    normal = share * factor * sqrt(radius) * pow(depth, 1.5) + (has("damping") ? 1.0 : share) * damping * dot(gap, n);
+    normal = share * factor * sqrt(radius) * pow(depth, has("exponent") ? 1.49 : 1.5) + (has("damping") ? 1.0 : share) * damping * dot(gap, n);
     normal = fmax(normal, 0.0);
     friction = (has("friction") ? mu : -mu) * normal * within(dot(gap, I * n) / slide, -1.0, 1.0);
     pull = n * (-normal + I * friction);

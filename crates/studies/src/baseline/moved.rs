@@ -69,12 +69,15 @@ pub(super) fn stage(
             of.collect::<Vec<_>>().concat()
         });
         if let Some(moved) = moved {
-            let stage = moved.words();
-            let as_it_was = moved.cause.map_or(
-                "",
-                |_| " (the accepted results are the present model's with this)",
-            );
-            return Ok((stage + as_it_was, true));
+            let as_it_was = " (the accepted results are the present model's with this)";
+            let stage = match moved.cause {
+                Some(_) => moved.words() + as_it_was,
+                None => {
+                    "not told: no known change of the model explains how converged results moved"
+                        .to_owned()
+                }
+            };
+            return Ok((stage, true));
         }
     }
     let Some(name) = &job.solver else {
@@ -89,6 +92,10 @@ pub(super) fn stage(
     let engine = by_name(name, &gearbox.scene);
     let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, None, &control));
     let found = found.transpose()?.flatten();
-    let untold = || "not told: it does not run".to_owned();
-    Ok((found.map_or_else(untold, |found| found.words()), false))
+    let stage = match found {
+        None => "not told: it does not run".to_owned(),
+        Some(found) if found.first().is_none() => format!("not told: {}", found.words()),
+        Some(found) => found.words(),
+    };
+    Ok((stage, false))
 }

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use serde::Serialize;
 
 use super::fit::{Fit, dot, fit, less, sizes, slope};
-use super::judged::{EXPLAINED, ROUNDING, SURE, Stage, percent};
+use super::judged::{ROUNDING, SURE, Stage, percent};
 use super::model::{Change, Changes, Model, Work};
 use super::suspects::{self, Size, Suspect};
 
@@ -31,7 +31,7 @@ pub struct Part {
     pub what: String,
     /// Size of the change: factor less 1; of angles the angle, rad; of forms that are or are not, 1.
     pub size: f64,
-    /// Standard error of the size.
+    /// Error of the size, if all that is unexplained has one cause.
     pub plus_minus: f64,
 }
 
@@ -72,12 +72,17 @@ pub(super) type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 
 /// Changes that explain almost the same are told apart by their factor: a sign or a missing part is more likely than any.
 const ALIKE: f64 = 1e-4;
+/// Those of which one leaves so many times what the best leaves are not alike, unless both leave roundings.
+const NEARLY: f64 = 10.0;
+const SAME: f64 = 1e-8;
 /// Factor on a mass that is missing.
 const LIGHTEST: f64 = 1e-9;
 /// Share that a change explains linearly before it is followed further: large ones are far from linear.
 const LEAST: f64 = 0.05;
 /// Changes, and pairs of changes, that are followed.
 const FOLLOWED: usize = 6;
+/// Share of a small size that is none.
+const NOTHING: f64 = 1e-2;
 /// Standard errors that each size is above 0.
 const CLEAR: f64 = 10.0;
 
@@ -99,7 +104,7 @@ pub(super) fn cause(
     };
     let slopes = |k: usize| {
         let near = &mut |sizes: &[f64]| predict(&[k], sizes);
-        let slope = slope(&[0.0], 0, suspects[k].limits()[0], native, near)?;
+        let slope = slope(suspects[k].limits()[0], native, near)?;
         (dot(&slope, &slope) > 0.0).then_some((k, slope))
     };
     let slopes: Vec<(usize, Vec<f64>)> = (0..suspects.len()).filter_map(slopes).collect();
@@ -115,34 +120,44 @@ pub(super) fn cause(
             / whole
     };
     let best = |sets: Vec<Vec<usize>>, least: f64| {
-        let fits = sets.into_iter().filter_map(|set| {
-            let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
-            let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
-            let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
-            let fit = fit(run, native, begun, &limits, &mut |sizes| {
-                predict(&of, sizes)
-            })?;
-            let mut sizes = fit.sizes.iter();
-            let is_clear = sizes.all(|[size, error]| size.abs() > CLEAR * error);
-            (fit.explained >= least && is_clear).then_some((of, fit))
-        });
-        let fits: Vec<(Vec<usize>, Fit)> = fits.collect();
-        let most = fits
-            .iter()
-            .map(|(_, fit)| fit.explained)
-            .fold(0.0, f64::max);
-        let alike = fits
-            .into_iter()
-            .filter(|(_, fit)| most - fit.explained < ALIKE);
         // The first of those that look alike.
         let telling = |(of, fit): &(Vec<usize>, Fit)| {
             let each = of.iter().zip(&fit.sizes);
             each.filter(|(k, [size, _])| suspects[**k].size.is_telling(*size))
                 .count()
         };
-        alike.min_by_key(|found| Reverse(telling(found)))
+        let mut fits: Vec<(Vec<usize>, Fit)> = Vec::new();
+        for set in sets {
+            let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
+            let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
+            let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
+            let near = &mut |sizes: &[f64]| predict(&of, sizes);
+            let Some(fit) = fit(run, native, begun, &limits, near) else {
+                continue;
+            };
+            let free = (run.len() as f64).sqrt();
+            let mut sizes = fit.sizes.iter();
+            let is_clear = sizes.all(|[size, error]| free * size.abs() > CLEAR * error);
+            if fit.explained >= least && is_clear {
+                fits.push((of, fit));
+                // No other explains more, or is more likely.
+                let is_last = |it: &(Vec<usize>, Fit)| {
+                    1.0 - it.1.explained < ALIKE && telling(it) == it.0.len()
+                };
+                if fits.last().is_some_and(is_last) {
+                    break;
+                }
+            }
+        }
+        fits.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+        let each = fits.iter().map(|(_, fit)| fit.explained);
+        let most = each.fold(0.0, f64::max);
+        // What is exact is told from what is almost so.
+        let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
+        fits.retain(|(_, fit)| most - fit.explained < apart);
+        fits.into_iter().min_by_key(|found| Reverse(telling(found)))
     };
-    let nearest = |sets: Vec<Vec<usize>>| {
+    let nearest = |sets: Vec<Vec<usize>>| -> Vec<Vec<usize>> {
         let mut sets: Vec<(f64, Vec<usize>)> =
             sets.into_iter().map(|set| (share(&set), set)).collect();
         sets.retain(|(share, _)| *share > LEAST);
@@ -153,19 +168,22 @@ pub(super) fn cause(
             .map(|(share, _)| share - ALIKE)
             .nth(FOLLOWED - 1);
         sets.retain(|(share, _)| last.is_none_or(|last| *share >= last));
-        let mut sets: Vec<Vec<usize>> = sets.into_iter().map(|(_, set)| set).collect();
-        sets.sort_unstable();
-        sets
+        sets.into_iter().map(|(_, set)| set).collect()
     };
     let singles = (0..slopes.len()).map(|k| vec![k]).collect();
     let mut found = best(nearest(singles), least);
-    if found.is_none() && least <= EXPLAINED {
+    if found.is_none() && least != SURE {
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
-        found = best(nearest(pairs.collect()), SURE);
+        found = best(nearest(pairs.collect()), least.max(SURE));
     }
     // The best may be among those that were not followed.
     let (of, fit) = found.filter(|_| work.left() > 0)?;
-    let part = |(&k, &[size, plus_minus]): (&usize, &[f64; 2])| {
+    // One of two may be nothing.
+    let both = of.into_iter().zip(fit.sizes);
+    let of: Vec<(usize, [f64; 2])> = both
+        .filter(|(k, [size, _])| size.abs() > NOTHING * suspects[*k].limits()[0])
+        .collect();
+    let part = |&(k, [size, plus_minus]): &(usize, [f64; 2])| {
         let suspect = &suspects[k];
         Part {
             stage: suspect.stage,
@@ -175,14 +193,14 @@ pub(super) fn cause(
             plus_minus,
         }
     };
-    let parts = of.iter().zip(&fit.sizes).map(part).collect();
+    let parts = of.iter().map(part).collect();
     let cause = Cause {
         parts,
         explained: fit.explained,
         distance: None,
     };
     let changes = suspects.into_iter().enumerate();
-    let changes = changes.filter(|(k, _)| of.contains(k));
+    let changes = changes.filter(|(number, _)| of.iter().any(|(k, _)| k == number));
     Some((cause, changes.map(|(_, suspect)| suspect.change).collect()))
 }
 
@@ -190,7 +208,7 @@ impl Suspect {
     /// A size that changes the model linearly, and the least size.
     fn limits(&self) -> [f64; 2] {
         let small = match self.size {
-            Size::Angle => 1e-6,
+            Size::Shift(_, small) => small,
             Size::Factor | Size::Switch => 1e-4,
         };
         let least = match self.change {
@@ -207,7 +225,7 @@ impl Size {
         let known: &[f64] = match self {
             Self::Factor => &[-2.0, -1.0, 1.0],
             Self::Switch => &[1.0],
-            Self::Angle => &[],
+            _ => &[],
         };
         known.iter().any(|known| (size - known).abs() < 0.02)
     }
@@ -221,7 +239,12 @@ impl Size {
             Self::Factor if telling && size < 0.0 => format!("{what}, missing"),
             Self::Factor if telling => format!("{what} twice"),
             Self::Factor => format!("{what} times {:.6} +- {off:.0e}", 1.0 + size),
-            Self::Angle => format!("{what} off by {size:.3e} +- {off:.0e} rad"),
+            Self::Shift(unit, small) => {
+                format!(
+                    "{what} off by {size:.3e} +- {:.0e}{unit}",
+                    plus_minus.max(small)
+                )
+            }
             Self::Switch if telling => what.to_owned(),
             Self::Switch => format!("{what}, to {:.3} +- {off:.0e}", size),
         }

@@ -10,6 +10,7 @@ use super::judged::{FLOW, Judged, ROUNDING, SAMPLES, Stage};
 use super::locate::{Located, by_columns, start};
 use super::model::{Model, Work};
 use super::motion::{Sample, numbered, strengths};
+use super::pictures::Picture;
 use super::states;
 
 /// Radians of the contacts' vibration from one sample to the next.
@@ -46,79 +47,75 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
         return None;
     };
     let written = rows(&mut first, samples);
+    let [from, of] = [(a, &first), (b, &second)]
+        .map(|(gearbox, model)| states::Columns::of(gearbox, model.free()));
     // A pin that turns in one alone does there as at the start.
-    let places = |y: &[f64], from: &[usize], to: &[usize], otherwise: &[f64]| -> Vec<f64> {
-        let (of, other) = (y.len() / 2, otherwise.len() / 2);
-        let half = |y: &[f64], otherwise: &[f64]| -> Vec<f64> {
-            let place = |body: &usize| from.iter().position(|other| other == body);
-            let turned = to.iter().zip(otherwise);
-            let turned = turned.map(|(body, start)| place(body).map_or(*start, |k| y[k]));
-            turned.chain(y[from.len()..].iter().copied()).collect()
+    let places = |y: &[f64], otherwise: &[f64]| -> Vec<f64> {
+        let place = |name: &Option<String>| {
+            let mut own = from.names.iter();
+            own.position(|own| own.is_some() && own == name)
         };
-        let halves = [(0..of, 0..other), (of..2 * of, other..2 * other)];
-        halves
-            .map(|(of, other)| half(&y[of], &otherwise[other]))
-            .concat()
+        let all = of.names.iter().zip(otherwise);
+        all.map(|(name, start)| place(name).map_or(*start, |k| y[k]))
+            .collect()
     };
-    let (from, to) = (first.free().to_vec(), second.free().to_vec());
+    let begun = second.start();
     let carried = |sample: &Sample| Sample {
-        y: places(&sample.y, &from, &to, &second.start()),
+        y: places(&sample.y, &begun),
         ..*sample
     };
     let carried: Vec<Sample> = samples.iter().map(carried).collect();
-    let native = rows(&mut second, &carried);
-    let columns = Columns::held(b, &carried, written, native);
-    let of = states::Columns::of(b, &to);
+    let columns = Columns::held(b, &mut second, &carried, written);
     let (begun, picture) = start(&carried[0].y, &second, &of.coordinates);
     let mut stages = vec![begun];
     let mut pictures = vec![picture];
     stages.extend(by_columns(&columns, None));
     // Both know their pairs, with and without force.
-    let (mut deepest, mut apart, mut when) = (0.0_f64, 0.0, 0.0);
-    for (own, other) in samples.iter().zip(&carried) {
+    let (mut deepest, mut apart) = (f64::MIN_POSITIVE, Vec::new());
+    for (own, (_, two)) in samples.iter().zip(&columns.contacts) {
         let (_, one) = first.pairs(own.time_s, &own.y);
-        let (_, two) = second.pairs(other.time_s, &other.y);
-        for pair in one.iter().chain(&two) {
+        let mut row = vec![0.0_f64; columns.forces().len()];
+        for pair in one.iter().chain(two) {
             let depth = |all: &[PairContact]| {
                 let mut all = all.iter();
                 let same = all.find(|it| (it.sleeve, it.wheel) == (pair.sleeve, pair.wheel));
                 same.map_or(0.0, |it| it.penetration_m)
             };
-            let off = (depth(&one) - depth(&two)).abs();
+            let pin = b.layout.sleeve_body(pair.sleeve) - b.layout.external_bodies().start;
+            row[pin] = row[pin].max((depth(&one) - depth(two)).abs());
             deepest = deepest.max(pair.penetration_m);
-            if off > apart {
-                (apart, when) = (off, own.time_s);
-            }
         }
+        apart.push(row);
     }
-    let note = format!("penetrations most at t = {when:.3e} s");
-    let off = apart / deepest.max(f64::MIN_POSITIVE);
-    stages[1] = Judged::told(Stage::ContactSearch, off, ROUNDING, note);
+    let shares = apart.iter_mut().flatten();
+    shares.for_each(|off| *off /= deepest);
+    let over_time = columns.over_time(Stage::ContactSearch, &apart);
+    stages[1] = most(&over_time, "deepest penetration", ROUNDING);
+    let by_pin = Picture::over_columns(Stage::ContactSearch, &apart, Vec::new());
+    pictures.extend([over_time, by_pin]);
     let is_open = |judged: &Judged| !judged.is_off() || judged.stage == Stage::Start;
     stages.push(if stages[..4].iter().all(is_open) {
         let weights = strengths(b, &second, &of);
-        let (mut most, mut all) = ((0.0_f64, 0.0), Vec::new());
+        let mut all = Vec::new();
         for (own, other) in samples.iter().zip(&carried) {
             let mut of = [vec![0.0; own.y.len()], vec![0.0; other.y.len()]];
             first.derivative(own.time_s, &own.y, &mut of[0]);
             second.derivative(other.time_s, &other.y, &mut of[1]);
-            let [a, b] = [places(&of[0], &from, &to, &of[1]), of[1].clone()];
-            let off = a.iter().zip(&b).skip(weights.len()).zip(&weights);
+            let a = places(&of[0], &of[1]);
+            let off = a.iter().zip(&of[1]).skip(weights.len()).zip(&weights);
             let row: Vec<f64> = off.map(|((a, b), weight)| (a - b) * weight).collect();
-            let off = dot(&row, &row).sqrt();
-            if off > most.0 {
-                most = (off, own.time_s);
-            }
-            all.push(row);
+            all.push(vec![dot(&row, &row).sqrt()]);
         }
-        pictures.push(columns.over_time(Stage::Equations, &all));
-        let note = format!("accelerations most at t = {:.3e} s", most.1);
-        Judged::told(Stage::Equations, most.0, FLOW, note)
+        let over_time = columns.over_time(Stage::Equations, &all);
+        let judged = most(&over_time, "load's accelerations", FLOW);
+        pictures.push(over_time);
+        judged
     } else {
         Judged::untold(Stage::Equations, "hidden by an earlier stage")
     });
     stages.sort_by_key(|judged| judged.stage);
-    pictures.extend(columns.pictures(&mut second, b.layout, &carried));
+    let of_forces = columns.pictures().into_iter();
+    pictures.extend(of_forces.filter(|picture| picture.stage != Stage::ContactSearch));
     let located = Located {
         run: b.scene.name.clone(),
         stages,
@@ -126,4 +123,15 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
         ..Located::default()
     };
     Some(located.seen())
+}
+
+/// Judges a stage by the largest value of its picture over time.
+fn most(over_time: &Picture, of: &str, bound: f64) -> Judged {
+    let values = &over_time.curves[0].1;
+    let all = values.iter().zip(&over_time.x);
+    let (most, when) = all
+        .max_by(|a, b| a.0.total_cmp(b.0))
+        .unwrap_or((&0.0, &0.0));
+    let note = format!("of the {of}, most at t = {when:.3e} s");
+    Judged::told(over_time.stage, *most, bound, note)
 }

@@ -15,17 +15,16 @@ use super::states;
 const SAMPLES: f64 = 100.0;
 const AFTER: f64 = 20.0;
 const SHORTEST: f64 = 1500.0;
-/// Evaluations of the shortest run that judging is measured by, and those that the search for what is off may take after any run:
-/// some hundredths, and some tenths of a second.
-const LEAST: u64 = 20_000;
-pub(super) const SEARCH: u64 = 150_000;
+/// Evaluations of the shortest run that judging is measured by, without the search for what is off, with it, and with it where there is friction: some hundredths
+/// and tenths of a second.
+const LEAST: [u64; 3] = [10_000, 60_000, 150_000];
 /// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
 const STEP: f64 = 4.0;
 const TOLERANCE: [f64; 2] = [100.0, 4.0];
 /// Times that it is made smaller while the motion is off and nothing explains it.
 const LEVELS: i32 = 2;
-/// Cost of a run and of one with a smaller step, with half as much for judging them.
-const COST: f64 = 1.5 * (1.0 + STEP);
+/// Cost of a run and of one with a smaller step, with as much for judging them.
+const COST: f64 = 2.0 * (1.0 + STEP);
 /// Share of what is left that a run with a smaller step may take, and the least number of its samples.
 const REST: f64 = 0.6;
 const FEWEST: usize = 10;
@@ -50,7 +49,7 @@ pub fn of_engine(
     let steps = (rad_s * solver.step_s).recip().floor().max(1.0);
     let sample_s = solver.sample_s.min(steps * solver.step_s);
     let whole_s = match evaluations {
-        Some(all) => solver.duration_s * (LEAST as f64 / all as f64).max(1.0),
+        Some(all) => solver.duration_s * (LEAST[0] as f64 / all as f64).max(1.0),
         None => solver.duration_s.max(SHORTEST * sample_s),
     };
     let asked_s = until_s + AFTER * sample_s;
@@ -73,22 +72,24 @@ pub fn of_engine(
         let counts = [run.stats.rhs_calls, run.stats.steps, stated];
         let count = counts.into_iter().find(|count| *count > 0).unwrap_or(1);
         taken.set(taken.get() + count);
-        Ok(run.ending.is_finished().then_some((run.time_series, count)))
+        // What there is until a run diverges may show why.
+        let is_enough = run.ending.is_finished() || run.time_series.len() > FEWEST;
+        Ok(is_enough.then_some((run.time_series, count)))
     };
     let Some((mut own, mut count)) = run(&short)? else {
         return Ok(None);
     };
     let whole = match evaluations {
-        Some(all) => all.max(LEAST),
+        Some(all) => all.max(LEAST[0]),
         None => (count as f64 * whole_s / short.scene.solver.duration_s) as u64,
     };
+    let search = whole.max(LEAST[1 + usize::from(gearbox.has_friction())]);
     // `kept`: evaluations that the search for a cause leaves.
     let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>, kept: u64| {
         let name = engine.name();
         // Without states the columns alone may show a cause.
-        let left = [whole, whole.max(SEARCH) - kept];
-        let left = left.map(|most| most.saturating_sub(taken.get()));
-        let by_columns = || of_record(gearbox, name, run, left[1]);
+        let left = [whole, search - kept].map(|most| most.saturating_sub(taken.get()));
+        let by_columns = || of_record(gearbox, name, run, left[1] + kept);
         let is_blind = !states.missing(run).is_empty();
         let found = is_blind.then(by_columns).flatten();
         let runs = Runs {
@@ -107,7 +108,8 @@ pub fn of_engine(
         }
         Some(found)
     };
-    let Some(refinement) = engine.info().refinement else {
+    let ends = own.time_s().last() >= Some(&(short.scene.solver.duration_s - 0.5 * sample_s));
+    let Some(refinement) = engine.info().refinement.filter(|_| ends) else {
         return Ok(judge(&own, None, 0));
     };
     let (by, falls) = match refinement.knob {
@@ -121,7 +123,7 @@ pub fn of_engine(
     let mut cost = STEP * count as f64;
     for level in 1..=LEVELS {
         // A smaller step may have the time for some of the samples alone.
-        let most = if level > 1 { whole.max(SEARCH) } else { whole };
+        let most = if level > 1 { search } else { whole };
         let share = (REST * most.saturating_sub(taken.get()) as f64 / cost).min(1.0);
         let last = (share * (own.len() - 1) as f64) as usize;
         if let Some(open) = located.take_if(|_| last < FEWEST) {
@@ -137,16 +139,15 @@ pub fn of_engine(
                 AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
             }
         });
-        let Some((finer, more)) = fine.ok().map(|fine| run(&fine)).transpose()?.flatten() else {
+        let found = fine.ok().map(|fine| run(&fine)).transpose()?.flatten();
+        let found = found.filter(|(finer, _)| finer.len() == own.len());
+        let Some((finer, more)) = found else {
             return Ok(located.or_else(|| judge(&own, None, 0)));
         };
         cost = (more as f64).powi(2) / (count as f64 * share);
         // The search leaves enough to confirm that the motion is off.
-        let kept = match level {
-            LEVELS => 0,
-            _ => (cost * 2.0 * FEWEST as f64 / (REST * last as f64)) as u64,
-        };
-        located = judge(&own, Some((&finer, falls)), kept.min(SEARCH));
+        let kept = if level < LEVELS { search / 8 } else { 0 };
+        located = judge(&own, Some((&finer, falls)), kept);
         // Steps that are far too long show no order.
         let is_open =
             |found: &Located| found.cause.is_none() && found.first() >= Some(Stage::Equations);

@@ -3,16 +3,16 @@
 /// Result of the fit of changes to what a run shows.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fit {
-    /// Size of each change, and its standard error.
+    /// Size of each change, and its error if all that is left is of one cause.
     pub sizes: Vec<[f64; 2]>,
     /// Share of the residual's square that the changes take away.
     pub explained: f64,
 }
 
-/// Gauss-Newton steps.
-const STEPS: usize = 8;
-/// Share of the residual's square that no cause leaves.
-const HOPELESS: f64 = 0.1;
+/// Steps of the fit.
+const STEPS: usize = 16;
+/// Share of what is left that a step gains at least.
+const LITTLE: f64 = 0.05;
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
@@ -22,15 +22,17 @@ pub(super) fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
+fn add(to: &mut [f64], by: f64, of: &[f64]) {
+    to.iter_mut().zip(of).for_each(|(a, b)| *a += by * b);
+}
+
 /// Sizes of one or two changes that explain `residual` best, and the square of each slope's part that is not the other's.
 pub(super) fn sizes(slopes: &[&[f64]], residual: &[f64]) -> Vec<[f64; 2]> {
     let own = |k: usize| {
         let mut own = slopes[k].to_vec();
         for (_, other) in slopes.iter().enumerate().filter(|(j, _)| *j != k) {
             let share = dot(&own, other) / dot(other, other);
-            own.iter_mut()
-                .zip(*other)
-                .for_each(|(a, b)| *a -= share * b);
+            add(&mut own, -share, other);
         }
         let square = dot(&own, &own);
         [dot(&own, residual) / square, square]
@@ -41,25 +43,17 @@ pub(super) fn sizes(slopes: &[&[f64]], residual: &[f64]) -> Vec<[f64; 2]> {
 /// Values of a model with changes of given sizes.
 pub(super) type Predict<'a> = &'a mut dyn FnMut(&[f64]) -> Option<Vec<f64>>;
 
-/// Change of the values by a change of number `k` per size, near `at`, where they are `values`. A model that barely exists may
-/// have one side alone.
-pub(super) fn slope(
-    at: &[f64],
-    k: usize,
-    small: f64,
-    values: &[f64],
-    predict: Predict<'_>,
-) -> Option<Vec<f64>> {
+/// Change of the values by a small change per size, where they are `values` without it. A model that barely exists may have one
+/// side alone.
+pub(super) fn slope(small: f64, values: &[f64], predict: Predict<'_>) -> Option<Vec<f64>> {
     [small, -small].into_iter().find_map(|small| {
-        let mut near = at.to_vec();
-        near[k] += small;
-        let mut slope = less(&predict(&near)?, values);
+        let mut slope = less(&predict(&[small])?, values);
         slope.iter_mut().for_each(|value| *value /= small);
         Some(slope)
     })
 }
 
-/// Fits changes to `target`, by Gauss-Newton steps from no change, where the model gives `base` and the `slopes`. `limits` has of each
+/// Fits changes to `target`, by Newton's steps from no change, where the model gives `base` and the `slopes`. `limits` has of each
 /// change a size that changes the model linearly, and the least size.
 pub(super) fn fit(
     target: &[f64],
@@ -74,10 +68,6 @@ pub(super) fn fit(
     let whole = dot(&left, &left);
     let mut squares = Vec::new();
     for step in 0..STEPS {
-        if step > 0 {
-            let all = (0..limits.len()).map(|k| slope(&at, k, limits[k][0], &values, predict));
-            slopes = all.collect::<Option<_>>()?;
-        }
         let views: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
         let steps = sizes(&views, &left);
         squares = steps.iter().map(|[_, square]| *square).collect();
@@ -88,7 +78,7 @@ pub(super) fn fit(
             return None;
         }
         // A model far away may not exist, or be worse.
-        let tried = (0..7).find_map(|halvings| {
+        let tried = (0..if step == 0 { 7 } else { 3 }).find_map(|halvings| {
             let part = 0.5_f64.powi(halvings);
             let next = at.iter().zip(&steps).zip(limits);
             let next: Vec<f64> = next
@@ -106,18 +96,28 @@ pub(super) fn fit(
             .iter()
             .zip(&next)
             .all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
+        // Slopes by Broyden's method: those of a single change are secants.
+        let steps = less(&next, &at);
+        let scaled: Vec<f64> = steps
+            .iter()
+            .zip(limits)
+            .map(|(step, [small, _])| step / small)
+            .collect();
+        let long = dot(&scaled, &scaled);
+        let mut untold = less(&found, &values);
+        let told = slopes.iter().zip(&steps);
+        told.for_each(|(slope, step)| add(&mut untold, -step, slope));
+        let parts = slopes.iter_mut().zip(&scaled).zip(limits);
+        parts.for_each(|((slope, part), [small, _])| add(slope, part / small / long, &untold));
         let gained = dot(&left, &left) - dot(&rest, &rest);
         (at, left, values) = (next, rest, found);
-        // A change that is no cause soon gains little.
-        let rest = dot(&left, &left);
-        if is_still || gained <= 1e-12 * whole || (rest > HOPELESS * whole && gained < 0.05 * rest)
-        {
+        // A change that is no cause soon gains little, and so does every one at the bottom.
+        if is_still || gained <= 1e-12 * whole || gained < LITTLE * dot(&left, &left) {
             break;
         }
     }
     let rest = dot(&left, &left);
-    let free = target.len().saturating_sub(at.len()).max(1) as f64;
-    let error = |square: f64| (rest / free / square).sqrt();
+    let error = |square: f64| (rest / square).sqrt();
     Some(Fit {
         sizes: at
             .iter()

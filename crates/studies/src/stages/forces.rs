@@ -4,9 +4,12 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_mbs::BodyState;
 use pinwheel_scene::{Layout, Sleeve};
 use pinwheel_timeseries::{TimeSeries, columns};
 
+use super::fit::{dot, less};
 use super::judged::Stage;
 use super::model::Model;
 use super::motion::Sample;
@@ -14,6 +17,10 @@ use super::pictures::Picture;
 
 /// Forces below this share of the largest do not count as contacts.
 const TOUCHING: f64 = 1e-3;
+/// Powers of the forces to which changes are fitted: the second is the penetration of a Hertzian contact.
+pub(super) const POWERS: [f64; 2] = [1.0, 2.0 / 3.0];
+/// Share of the largest force that is a contact where the native discs have a gap.
+const GAP: f64 = 0.05;
 /// Column of the driver's torque, of the output's, and first of the forces.
 pub(super) const DRIVER: usize = 0;
 pub(super) const OUTPUT: usize = 1;
@@ -21,6 +28,7 @@ pub(super) const FORCES: usize = 2;
 
 /// Columns of a run and the native ones at the same states, each as a share of its kind's largest value.
 pub(super) struct Columns {
+    layout: Layout,
     names: Vec<String>,
     times: Vec<f64>,
     /// Largest native value of each column's kind.
@@ -29,6 +37,8 @@ pub(super) struct Columns {
     pub(super) written: Vec<Vec<f64>>,
     /// Rows of the native model.
     pub(super) native: Vec<Vec<f64>>,
+    /// Bodies and touching pairs of the native model.
+    pub(super) contacts: Vec<(Vec<BodyState>, Vec<PairContact>)>,
 }
 
 impl Columns {
@@ -46,17 +56,18 @@ impl Columns {
         let all = all?;
         let row = |sample: &Sample| all.iter().map(|column| column[sample.number]).collect();
         let written = samples.iter().map(row).collect();
-        Some(Self::held(gearbox, samples, written, rows(native, samples)))
+        Some(Self::held(gearbox, native, samples, written))
     }
 
     /// Holds rows against native ones.
     pub(super) fn held(
         gearbox: &Gearbox,
+        model: &mut Model<'_>,
         samples: &[Sample],
         written: Vec<Vec<f64>>,
-        native: Vec<Vec<f64>>,
     ) -> Self {
         let names = names(gearbox.layout);
+        let native = rows(model, samples);
         let floor = gearbox.least_loads();
         let largest = |of: Range<usize>, least: f64| {
             let values = native.iter().flat_map(|row| &row[of.clone()]);
@@ -67,7 +78,12 @@ impl Columns {
             scale[torque] = largest(torque..torque + 1, floor.torque_n_m);
         }
         Self {
+            layout: gearbox.layout,
             times: samples.iter().map(|sample| sample.time_s).collect(),
+            contacts: samples
+                .iter()
+                .map(|at| model.pairs(at.time_s, &at.y))
+                .collect(),
             written,
             native,
             names,
@@ -85,18 +101,25 @@ impl Columns {
         (self.written[sample][column] - self.native[sample][column]) / self.scale[column]
     }
 
+    /// Samples with each of the columns.
+    fn places(&self, of: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
+        let samples = 0..self.times.len();
+        samples.flat_map(move |k| of.clone().map(move |column| (k, column)))
+    }
+
     /// The largest difference among these columns, and its place in words.
     pub(super) fn worst(&self, of: Range<usize>) -> (f64, String) {
-        let places = (0..self.times.len()).flat_map(|k| of.clone().map(move |column| (k, column)));
         let size = |&(k, column): &(usize, usize)| self.off(k, column).abs();
         // What is not a number is farther off than any.
-        let most = places.max_by(|a, b| size(a).total_cmp(&size(b)));
+        let most = self.places(of).max_by(|a, b| size(a).total_cmp(&size(b)));
         most.map_or((0.0, String::new()), |at| {
             (
                 size(&at),
                 format!(
-                    "most in {} at t = {:.3e} s",
-                    self.names[at.1], self.times[at.0]
+                    "of the largest {}, most in {} at t = {:.3e} s",
+                    if at.1 < FORCES { "torque" } else { "force" },
+                    self.names[at.1],
+                    self.times[at.0]
                 ),
             )
         })
@@ -109,69 +132,62 @@ impl Columns {
         (one == 0.0 && other > least) || (other == 0.0 && one > least)
     }
 
+    /// True if the run has more force where the native discs have a gap than a law or a late step would leave there.
+    fn fills_gap(&self, sample: usize, column: usize) -> bool {
+        let body = self.layout.external_bodies().start + column - FORCES;
+        let mut pairs = self.contacts[sample].1.iter();
+        let touches = pairs.any(|pair| self.layout.sleeve_body(pair.sleeve) == body);
+        let [written, native] = [&self.written, &self.native].map(|rows| rows[sample][column]);
+        !touches && native == 0.0 && written > GAP * self.scale[column]
+    }
+
     /// Share of forces where only one of the two has a contact, and the first place in words. `both`: false where rates are
     /// not known, so that a contact may part which the native one has.
     pub(super) fn search(&self, both: bool) -> (f64, String) {
-        let mut first = None;
-        let mut count = 0;
         // A law that is off may let go of a contact; it is known where rates are.
-        let is_both = |(k, column): &(usize, usize)| {
-            both && self.written[*k][*column] != 0.0 && self.native[*k][*column] != 0.0
+        let touch =
+            |&(k, c): &(usize, usize)| self.written[k][c] != 0.0 && self.native[k][c] != 0.0;
+        let law = self.places(self.forces()).filter(|at| both && touch(at));
+        let law = law
+            .map(|(k, column)| self.off(k, column).abs())
+            .fold(0.0, f64::max);
+        let misses = |k: usize, column: usize| self.written[k][column] == 0.0;
+        let is_alone = |&(k, column): &(usize, usize)| {
+            let known = both || !misses(k, column);
+            let is_one = known && self.has_one_contact(k, column);
+            is_one && self.off(k, column).abs() > law || self.fills_gap(k, column)
         };
-        let all = (0..self.times.len()).flat_map(|k| self.forces().map(move |column| (k, column)));
-        let law = all
-            .filter(is_both)
-            .map(|(k, column)| self.off(k, column).abs());
-        let law = law.fold(0.0, f64::max);
-        for k in 0..self.times.len() {
-            for column in self.forces() {
-                let misses = self.written[k][column] == 0.0;
-                if self.has_one_contact(k, column)
-                    && self.off(k, column).abs() > law
-                    && (both || !misses)
-                {
-                    count += 1;
-                    first.get_or_insert((column, self.times[k], misses));
-                }
-            }
-        }
-        let all = self.times.len() * self.forces().len();
-        let words = |(column, time, misses): (usize, f64, bool)| {
-            let which = if misses {
-                "a contact is missed"
-            } else {
-                "a contact where there is a gap"
+        let alone: Vec<_> = self.places(self.forces()).filter(is_alone).collect();
+        let share = alone.len() as f64 / self.places(self.forces()).count() as f64;
+        let words = alone.first().map(|&(k, column)| {
+            let which = match misses(k, column) {
+                true => "a contact is missed",
+                false => "a contact where there is a gap",
             };
-            format!("{which}: {} at t = {time:.3e} s", self.names[column])
-        };
-        (
-            f64::from(count) / all as f64,
-            first.map_or_else(String::new, words),
-        )
+            let (name, time) = (&self.names[column], self.times[k]);
+            format!("of all forces, first {which}: {name} at t = {time:.3e} s")
+        });
+        (share, words.unwrap_or_default())
     }
 
     /// Relative L2 distance of the forces from the native ones.
     pub(super) fn distance(&self) -> f64 {
-        let square = |row: &Vec<f64>| row[FORCES..].iter().map(|force| force * force).sum::<f64>();
-        let places =
-            (0..self.times.len()).flat_map(|k| self.forces().map(move |column| (k, column)));
-        let off: f64 = places
-            .map(|(k, column)| (self.off(k, column) * self.scale[column]).powi(2))
-            .sum();
-        (off / self.native.iter().map(square).sum::<f64>()).sqrt()
+        let square = |row: &[f64]| dot(&row[FORCES..], &row[FORCES..]);
+        let off = self.written.iter().zip(&self.native);
+        let off: f64 = off.map(|(a, b)| square(&less(a, b))).sum();
+        (off / self.native.iter().map(|row| square(row)).sum::<f64>()).sqrt()
     }
 
-    /// All rows as one vector in which driver, output and forces weigh the same.
-    pub(super) fn stacked(&self, rows: &[Vec<f64>]) -> Vec<f64> {
-        let weight = |column: usize| match column {
-            DRIVER | OUTPUT => self.scale[column],
-            _ => self.scale[column] * (self.forces().len() as f64).sqrt(),
-        };
+    /// All rows as one vector in which driver, output and forces weigh the same; forces to a power.
+    pub(super) fn stacked(&self, rows: &[Vec<f64>], power: f64) -> Vec<f64> {
+        let count = (self.forces().len() as f64).sqrt();
         let shares = |row: &Vec<f64>| -> Vec<f64> {
             let columns = row.iter().enumerate();
-            columns
-                .map(|(column, value)| value / weight(column))
-                .collect()
+            let share = |(column, value): (usize, &f64)| match column {
+                DRIVER | OUTPUT => value / self.scale[column],
+                _ => (value / self.scale[column]).powf(power) / count,
+            };
+            columns.map(share).collect()
         };
         rows.iter().flat_map(shares).collect()
     }
@@ -182,15 +198,10 @@ impl Columns {
     }
 
     /// Pictures of contact search, law, assembly and driver.
-    pub(super) fn pictures(
-        &self,
-        native: &mut Model<'_>,
-        layout: Layout,
-        samples: &[Sample],
-    ) -> Vec<Picture> {
+    pub(super) fn pictures(&self) -> Vec<Picture> {
         let rows = |off: &dyn Fn(usize, usize) -> f64, of: Range<usize>| -> Vec<Vec<f64>> {
             let row = |k| of.clone().map(|column| off(k, column)).collect();
-            (0..samples.len()).map(row).collect()
+            (0..self.times.len()).map(row).collect()
         };
         let off = |k, column| self.off(k, column);
         let alone = |k, column| match self.has_one_contact(k, column) {
@@ -199,15 +210,15 @@ impl Columns {
         };
         // Ring pins and places on a lobe where they touch, by sample.
         let mut lobes = Vec::new();
-        for (k, sample) in samples.iter().enumerate() {
-            let (bodies, pairs) = native.pairs(sample.time_s, &sample.y);
+        for (k, (bodies, pairs)) in self.contacts.iter().enumerate() {
             for pair in pairs {
                 let Sleeve::External(pin) = pair.sleeve else {
                     continue;
                 };
-                let disc = &bodies[layout.wheel_bodies().start + pair.wheel];
+                let disc = &bodies[self.layout.wheel_bodies().start + pair.wheel];
                 let polar = (pair.point[1] - disc.y).atan2(pair.point[0] - disc.x) - disc.angle;
-                let lobe = (polar * (layout.external_sleeves - 1) as f64 / TAU).rem_euclid(1.0);
+                let lobe =
+                    (polar * (self.layout.external_sleeves - 1) as f64 / TAU).rem_euclid(1.0);
                 lobes.push((k, pin, lobe));
             }
         }

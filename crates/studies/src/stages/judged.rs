@@ -10,6 +10,8 @@ pub(super) const FLOW: f64 = 1e-6;
 pub(super) const SMALL: f64 = 1e-4;
 /// Share of a residual that a cause must explain.
 pub(super) const EXPLAINED: f64 = 0.9;
+/// Share that it must explain where forces are known to rounding: a factor is the same at all penetrations.
+pub(super) const EXACT: f64 = 0.9999;
 /// Share that it must explain where the step's own error is not known.
 pub(super) const SURE: f64 = 0.99;
 /// Samples that are looked at, but for those at changes of the load.
@@ -52,15 +54,16 @@ impl Stage {
     /// Name in words.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::ContactSearch => "contact search",
-            Self::Law => "law",
-            Self::Assembly => "assembly",
-            Self::Equations => "equations",
-            Self::Driver => "driver",
-            Self::Integration => "integration",
-        }
+        const NAMES: [&str; Stage::ALL.len()] = [
+            "start",
+            "contact search",
+            "law",
+            "assembly",
+            "equations",
+            "driver",
+            "integration",
+        ];
+        NAMES[self as usize]
     }
 }
 

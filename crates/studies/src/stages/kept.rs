@@ -6,7 +6,7 @@ use pinwheel_timeseries::{TimeSeries, columns};
 
 use super::cause::{Values, cause};
 use super::judged::{Judged, SURE, Stage};
-use super::locate::{Located, Runs, SHOWN, locate};
+use super::locate::{Located, Runs, locate};
 use super::model::{Model, Work};
 use super::suspects::Suspect;
 use super::{forces, motion, states};
@@ -95,6 +95,9 @@ fn followed(
 
 /// Change of a record's columns that is none, as a share of their largest: records are rounded and interpolated.
 const RECORD: f64 = 1e-3;
+/// Evaluations that judging a record may take, some tenths of a second, and its first samples, which are judged.
+pub(super) const RECORDED: u64 = 150_000;
+const SHOWN: usize = 60;
 /// Runs of the model that the search for a cause takes, and the least number of samples that tell causes apart.
 const FOLLOWS: u64 = 100;
 const FEWEST: usize = 12;

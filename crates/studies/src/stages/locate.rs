@@ -1,5 +1,6 @@
 //! All stages of a run, one after the other.
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
@@ -8,7 +9,7 @@ use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
 
 use super::cause::{Cause, cause, changes};
-use super::judged::{EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
+use super::judged::{EXACT, EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
 use super::model::{Changes, Model, Work};
 use super::motion::{self, Motion};
 use super::pictures::Picture;
@@ -28,7 +29,7 @@ pub struct Located {
     pub pictures: Vec<Picture>,
     /// Evaluations of forces that judging took, and those that it might take: as many as the run itself.
     pub evaluations: [u64; 2],
-    /// Search that would have cost more than the run and was left out, in words.
+    /// Why there is no cause where one was sought, or what would have cost more than the run and was left out, in words.
     pub left_out: Option<String>,
 }
 
@@ -63,11 +64,9 @@ impl Located {
         };
         match &self.cause {
             Some(cause) => format!("{}, {}", first.name(), cause.words()),
-            None if first == Stage::Integration => self.off(),
             None => {
-                let left_out = self.left_out.as_deref();
-                let why = left_out.unwrap_or("no known fault explains it");
-                format!("{}; {why}", self.off())
+                let why = self.left_out.iter().map(|why| format!("; {why}"));
+                self.off() + &why.collect::<String>()
             }
         }
     }
@@ -79,7 +78,8 @@ impl Located {
         judged.map_or_else(String::new, |judged| {
             let (name, note) = (judged.stage.name(), &judged.note);
             let residual = percent(judged.residual.unwrap_or(f64::NAN));
-            format!("{name}: off by {residual}, {note}")
+            let comma = if note.starts_with("of ") { "" } else { "," };
+            format!("{name}: off by {residual}{comma} {note}")
         })
     }
 
@@ -117,14 +117,17 @@ impl Located {
 
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
-/// Intervals that are fitted by changes of the model, each of which costs two flows or more; without friction and with it.
-const FITTED: [usize; 2] = [7, 10];
-/// Least number of intervals that are judged; more take half of the evaluations that are left at most.
+/// Intervals that are fitted by changes of the model: the least number, and the most without friction and with it.
+const FITTED: [usize; 3] = [3, 7, 10];
+/// Flows of each that the search takes.
+const FLOWS: u64 = 64;
+/// Least number of intervals that are judged; more take an eighth of the evaluations that are left at most.
 const INTERVALS: usize = 8;
 /// Distance of a run from a native one with its cause, relative.
 const WITH: f64 = 0.05;
-/// Samples of the native run that shows a cause.
-pub(super) const SHOWN: usize = 60;
+/// Samples of the native run that confirms a cause, the least number and the most, and evaluations that each takes in two runs.
+const CONFIRMED: [usize; 2] = [20, 60];
+const CONFIRMS: u64 = 300;
 
 /// A run to be judged.
 #[derive(Clone, Copy)]
@@ -178,26 +181,38 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
             let (differ, first) = columns.search(false);
             located.stages[1] = Judged::told(Stage::ContactSearch, differ, 0.0, first);
-            let pictures = columns.pictures(&mut native, gearbox.layout, &samples);
-            located.pictures.extend(pictures);
+            located.pictures.extend(columns.pictures());
         }
         return Some(located.seen());
     }
     let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
-    let pictures = columns.pictures(&mut native, gearbox.layout, &samples);
-    located.pictures.extend(pictures);
+    located.pictures.extend(columns.pictures());
     let rough = runs.finer.and_then(|_| {
         let samples = motion::samples(gearbox, &states, runs.run, SAMPLES);
         forces::Columns::of(gearbox, &mut native, runs.run, &samples)
     });
     located.stages = vec![start];
     located.stages.extend(by_columns(&columns, rough.as_ref()));
-    let of_columns = || {
-        work.allow(runs.evaluations[1]);
-        let [written, base] = [&columns.written, &columns.native].map(|rows| columns.stacked(rows));
-        let both = [&written[..], &base[..]];
-        cause(work, both, EXPLAINED, Suspect::shows_in_columns, &|model| {
-            Some(columns.stacked(&forces::rows(model, &samples)))
+    let sought = Cell::new(false);
+    let search = || {
+        // It leaves enough to confirm its cause.
+        work.allow(runs.evaluations[1].saturating_sub(CONFIRMS * CONFIRMED[0] as u64));
+        sought.set(true);
+    };
+    let of_columns = |located: &Located| {
+        search();
+        // Forces are known to rounding, or to what falls with the step.
+        let off = located.stages.iter().filter(|judged| judged.is_off());
+        let noise = off.filter_map(|judged| Some((judged.bound / judged.residual?).powi(2)));
+        let least = (1.0 - noise.fold(0.0, f64::max)).clamp(EXPLAINED, EXACT);
+        // Large errors of the geometry are linear in penetrations alone.
+        forces::POWERS.into_iter().find_map(|power| {
+            let stacked = |rows: &[Vec<f64>]| columns.stacked(rows, power);
+            let [written, base] = [&columns.written, &columns.native].map(|rows| stacked(rows));
+            let both = [&written[..], &base[..]];
+            cause(work, both, least, Suspect::shows_in_columns, &|model| {
+                Some(stacked(&forces::rows(model, &samples)))
+            })
         })
     };
     let off = |located: &Located, stages: &[Stage]| {
@@ -215,9 +230,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             false => "needs a load, by whose work the motion is measured",
         }));
         if off(&located, &Stage::ALL) {
-            found = of_columns();
+            found = of_columns(&located);
         }
-    } else if let Some((fine, samples)) = judged_motion(work, &mut native, &states, best) {
+    } else if let Some((fine, samples, each)) = judged_motion(work, &mut native, &states, best) {
         let finer = runs.finer.map(|(_, falls)| falls);
         let rough =
             finer.and_then(|_| Motion::of(gearbox, &mut native, &states, runs.run, &samples));
@@ -228,8 +243,10 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let is_open = rough.is_none() || off(&located, &[Stage::Equations]);
         // Pins that keep their rates have a pattern of their own.
         if fine.size() > FLOW && is_open && !fine.keeps_pins() {
-            work.allow(runs.evaluations[1]);
-            let few = fine.few(FITTED[usize::from(gearbox.has_friction())]);
+            search();
+            let most = (work.left() / (FLOWS * each)) as usize;
+            let [least, ..] = FITTED;
+            let few = fine.few(most.clamp(least, FITTED[1 + usize::from(gearbox.has_friction())]));
             let [reached, base] = few.ends();
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
             let both = [&reached[..], &base[..]];
@@ -237,7 +254,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 few.flows(model)
             });
         }
-        let alone = found.is_none() && fine.is_alone();
+        let is_open = found.is_none() && work.left() > 0 && !fine.keeps_pins();
+        let alone = is_open && fine.is_alone();
         for judged in &mut located.stages {
             match judged.stage {
                 Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),
@@ -250,13 +268,15 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             }
         }
         if found.is_none() && off(&located, &[Stage::Driver]) {
-            found = of_columns();
+            found = of_columns(&located);
         }
     } else {
         let note = "the native motion from its states ends early";
         located.stages.extend(untold(note));
     }
     located.stages.sort_by_key(|judged| judged.stage);
+    let is_ended = work.left() == 0;
+    work.allow(runs.evaluations[1]);
     let shown = found.map(|found| {
         let changes = changes(&found);
         // What is written otherwise moves nothing.
@@ -274,36 +294,39 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let mut distance = cause.distance.iter();
         distance.all(|[without, with]| *without < NEAR || *with <= WITH.min(0.5 * without))
     });
-    if located.cause.is_none() && work.taken() >= runs.evaluations[1] && off(&located, &Stage::ALL)
-    {
-        located.left_out = Some("the search for its cause ended at the cost of the run".to_owned());
+    if located.cause.is_none() && sought.get() && off(&located, &Stage::ALL) {
+        let why = match is_ended {
+            true => "the search for its cause ended at the cost of the run",
+            false => "no known fault explains it",
+        };
+        located.left_out = Some(why.to_owned());
     }
     located.evaluations = [work.taken(), runs.evaluations[0]];
     Some(located.seen())
 }
 
-/// The motion of a run over as many intervals as there are evaluations for, and the samples at which they begin. `None`: the native
-/// flow does not come through.
+/// The motion of a run over as many intervals as there are evaluations for, the samples at which they begin, and the evaluations that
+/// each takes. `None`: the native flow does not come through.
 fn judged_motion(
     work: &Work<'_>,
     native: &mut Model<'_>,
     states: &states::Columns,
     run: &TimeSeries,
-) -> Option<(Motion, Vec<motion::Sample>)> {
+) -> Option<(Motion, Vec<motion::Sample>, u64)> {
     let mut of = |most: usize| {
         let samples = motion::samples(work.gearbox, states, run, most);
         let motion = Motion::of(work.gearbox, native, states, run, &samples)?;
         Some((motion, samples))
     };
     let before = work.taken();
-    let first = of(INTERVALS)?;
-    let each = (work.taken() - before) / INTERVALS as u64;
+    let mut found = of(INTERVALS)?;
+    let each = ((work.taken() - before) / INTERVALS as u64).max(1);
     // Those of a run with a larger step cost as much.
-    let most = work.left() / (4 * each.max(1));
-    match most as usize {
-        ..=INTERVALS => Some(first),
-        most => of(most.min(SAMPLES)),
+    let most = (work.left() / (16 * each)) as usize;
+    if most > INTERVALS {
+        found = of(most.min(SAMPLES))?;
     }
+    Some((found.0, found.1, each))
 }
 
 /// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
@@ -362,7 +385,9 @@ fn distance(
     states: &states::Columns,
     run: &TimeSeries,
 ) -> Option<[f64; 2]> {
-    let times = &run.time_s()[..run.len().min(SHOWN)];
+    let [least, most] = CONFIRMED;
+    let most = ((work.left() / CONFIRMS) as usize).clamp(least, most);
+    let times = &run.time_s()[..run.len().min(most)];
     let of = |changes| {
         let mut model = Model::new(work, changes)?;
         let all = model.follow(times[0], &states.at(run, 0), times)?;

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use pinwheel_contact::PinLaw;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Gearbox, native};
@@ -10,7 +11,8 @@ use pinwheel_mbs::{
     BodyState, Detail, Evaluation, Forces, Formulation as _, Jacobian, Mechanism, OdeSystem,
     Reduced, Structure, Wrench, add_pair,
 };
-use pinwheel_scene::{Layout, Scene, Start, load_profile};
+use pinwheel_scene::load_profile::{self, LoadSegment};
+use pinwheel_scene::{Drive, Layout, Scene, Start};
 
 /// A gear, and how many evaluations of its equations judging a run of it took and may take.
 pub(super) struct Work<'a> {
@@ -41,7 +43,7 @@ impl<'a> Work<'a> {
         self.most.get().saturating_sub(self.taken())
     }
 
-    /// Lets it take so many evaluations.
+    /// Lets the search for a cause take so many evaluations.
     pub(super) fn allow(&self, most: u64) {
         self.most.set(most);
     }
@@ -57,9 +59,8 @@ pub(super) enum Change {
     Scene(Box<dyn Fn(&mut Scene, f64)>),
     /// Masses and moments of inertia.
     Mass(Box<dyn Fn(&mut Mechanism, f64)>),
-    /// Forces of a pair beside its own where p = 1, N: normal, friction, and along the profile. The pair's elastic force, N,
-    /// is given.
-    Pair(Box<dyn Fn(&PairContact, f64) -> [f64; 3]>),
+    /// Forces of a pair.
+    Pair(Box<dyn Fn(&mut PairContact, &PinLaw, f64)>),
     /// Moments of contact forces on the discs.
     Lever,
     /// Moments of the output pins by their places at the start, with the states of all bodies there.
@@ -78,6 +79,11 @@ impl Change {
     /// True if it acts on the motion.
     pub(super) fn moves(&self) -> bool {
         !matches!(self, Self::Column(..) | Self::DriverShare(_))
+    }
+
+    /// True if it acts pair by pair.
+    fn is_of_pairs(&self) -> bool {
+        matches!(self, Self::Pair(_) | Self::Lever | Self::DriverShare(_))
     }
 
     fn is_step(&self) -> bool {
@@ -99,10 +105,11 @@ pub(super) type Changes<'a> = Vec<(&'a Change, f64)>;
 /// Applied forces with changes.
 struct Altered<'a> {
     inner: GearForces,
-    field: ContactField,
+    /// Field for changes of pairs, and for the native pairs.
+    field: Option<ContactField>,
     layout: Layout,
-    load: load_profile::LoadSegment,
-    drive: &'a pinwheel_scene::Drive,
+    load: LoadSegment,
+    drive: Drive,
     changes: Changes<'a>,
 }
 
@@ -135,7 +142,6 @@ impl Forces for Altered<'_> {
         self.inner.apply(time, bodies, loads);
         let layout = self.layout;
         let wheels = layout.wheel_bodies().start;
-        let law = *self.field.law();
         for &(change, by) in &self.changes {
             if let Change::Load = change {
                 loads[Layout::OUTPUT].moment += by * self.load.torque(time);
@@ -147,28 +153,24 @@ impl Forces for Altered<'_> {
                     loads[Layout::OUTPUT].moment += by * moment;
                 }
             }
-            if !matches!(
-                change,
-                Change::Pair(_) | Change::Lever | Change::DriverShare(_)
-            ) {
+            let Some(field) = self.field.as_mut().filter(|_| change.is_of_pairs()) else {
                 continue;
-            }
-            self.field.touching(bodies, &mut |pair| {
+            };
+            let law = *field.law();
+            field.touching(bodies, &mut |pair| {
                 let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
                 let centre = bodies[wheel];
                 let [fx, fy] = pair.force_on_sleeve();
                 match change {
-                    Change::Pair(force) => {
-                        let [normal, friction, along] =
-                            force(pair, pair.normal_force_at(&law, 0.0));
-                        let extra = PairContact {
-                            normal_force_n: by * normal,
-                            friction_force_n: by * friction,
-                            along_force_n: 0.0,
-                            ..*pair
-                        };
+                    Change::Pair(change) => {
+                        let mut extra = *pair;
+                        change(&mut extra, &law, by);
+                        extra.normal_force_n -= pair.normal_force_n;
+                        extra.friction_force_n -= pair.friction_force_n;
+                        let along = extra.along_force_n - pair.along_force_n;
+                        extra.along_force_n = 0.0;
                         let [nx, ny] = pair.normal;
-                        let beside = [-by * along * ny, by * along * nx];
+                        let beside = [-along * ny, along * nx];
                         let of = [sleeve, wheel];
                         add_pair(loads, bodies, of, pair.point, extra.force_on_sleeve());
                         add_pair(loads, bodies, of, pair.centre, beside);
@@ -187,7 +189,7 @@ impl Forces for Altered<'_> {
     }
 
     fn restart_at(&mut self, from: f64) {
-        self.load = load_profile::piece_at(self.drive, from);
+        self.load = load_profile::piece_at(&self.drive, from);
         self.inner.restart_at(from);
     }
 }
@@ -208,7 +210,7 @@ const RUN: [f64; 2] = [1e-8, 1e-6];
 /// Evaluations that a Jacobian counts as.
 const JACOBIAN: u64 = 4;
 /// Steps of the flow over one interval; more are no flow.
-const STEPS: usize = 400;
+const STEPS: usize = 100;
 
 impl<'a> Model<'a> {
     /// Returns the equations of a gear with changes; `None` if there is no such gear.
@@ -236,12 +238,14 @@ impl<'a> Model<'a> {
                 set(&mut mechanism, by);
             }
         }
+        // A field costs as much as some tens of evaluations.
+        let is_seen = changes.is_empty() || changes.iter().any(|(change, _)| change.is_of_pairs());
         let forces = Altered {
             inner: GearForces::new(used).ok()?,
-            field: used.contact_field().ok()?,
+            field: is_seen.then(|| used.contact_field()).transpose().ok()?,
             layout: gearbox.layout,
-            load: load_profile::piece_at(&gearbox.scene.drive, 0.0),
-            drive: &gearbox.scene.drive,
+            load: load_profile::piece_at(&used.scene.drive, 0.0),
+            drive: used.scene.drive.clone(),
             changes: changes.clone(),
         };
         let system = native::reduced(used, mechanism, forces).ok()?;
@@ -271,11 +275,10 @@ impl<'a> Model<'a> {
 
     /// Columns after the time at a state: driver's torque, output's torque, forces of the pins.
     pub(super) fn columns(&mut self, t: f64, y: &[f64]) -> Vec<f64> {
-        let gearbox = self.work.gearbox;
-        let piece = load_profile::piece_at(&gearbox.scene.drive, t);
-        let load = piece.torque(t) * self.factor(|change| matches!(change, Change::Load));
-        let first = gearbox.layout.external_bodies().start;
+        let first = self.work.gearbox.layout.external_bodies().start;
         self.system.restart_at(t);
+        let load = self.system.forces_mut().load.torque(t);
+        let load = load * self.factor(|change| matches!(change, Change::Load));
         self.work.take(1);
         let seen = self.system.observe(t, y, Detail::Forces);
         let output = seen.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
@@ -294,16 +297,15 @@ impl<'a> Model<'a> {
         row
     }
 
-    /// Pairs that touch at the state of the last columns.
+    /// Bodies at a state, and the pairs that touch there.
     pub(super) fn pairs(&mut self, t: f64, y: &[f64]) -> (Vec<BodyState>, Vec<PairContact>) {
-        let bodies = self
-            .system
-            .observe(t, y, Detail::Everything)
-            .bodies
-            .to_vec();
+        self.work.take(2);
+        let seen = self.system.observe(t, y, Detail::Everything);
+        let bodies = seen.bodies.to_vec();
         let mut pairs = Vec::new();
-        let field = &mut self.system.forces_mut().field;
-        field.touching(&bodies, &mut |pair| pairs.push(*pair));
+        if let Some(field) = &mut self.system.forces_mut().field {
+            field.touching(&bodies, &mut |pair| pairs.push(*pair));
+        }
         (bodies, pairs)
     }
 
@@ -315,13 +317,12 @@ impl<'a> Model<'a> {
     /// States at `times` from the state `y` at `from`, s, as [`flow`](Self::flow).
     pub(super) fn follow(&mut self, from: f64, y: &[f64], times: &[f64]) -> Option<Vec<Vec<f64>>> {
         let (first, last) = (*times.first()?, *times.last()?);
-        let gearbox = self.work.gearbox;
-        let rough = gearbox.has_friction();
+        let rough = self.work.gearbox.has_friction();
         let settings = StepSettings {
             step: 0.1 * (first - from).max((last - from) / times.len() as f64),
             tolerance: if times.len() > 1 { RUN } else { TOLERANCES }[usize::from(rough)],
         };
-        let mut breaks = load_profile::breaks(&gearbox.scene.drive);
+        let mut breaks = load_profile::breaks(&self.system.forces_mut().drive);
         breaks.retain(|&time| time < last);
         breaks.push(last);
         let method = if rough { "rodas5p" } else { "dop853" };

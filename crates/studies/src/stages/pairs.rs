@@ -6,9 +6,10 @@ use pinwheel_engines::{Cancelled, Control, Engine};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
 
-use super::engine::{SEARCH, of_engine};
-use super::kept::of_record;
+use super::engine::of_engine;
+use super::kept::{RECORDED, of_record};
 use super::locate::Located;
+use crate::divergence::shares;
 
 /// Share of the largest difference from which a run has departed.
 const DEPARTED: f64 = 0.2;
@@ -61,7 +62,7 @@ pub fn of_comparison(
                 let found = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
                 found.filter(|found| brought || found.first().is_some())
             }
-            (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series, SEARCH),
+            (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series, RECORDED),
             _ => None,
         };
         all.extend(found);
@@ -71,20 +72,7 @@ pub fn of_comparison(
 
 /// First time at which two runs on the same samples are apart by a good part of their largest distance, s.
 fn departure_s(a: &TimeSeries, b: &TimeSeries) -> f64 {
-    let forces = a
-        .channels()
-        .iter()
-        .filter(|channel| channel.name.contains("_force_n_"));
-    let both: Vec<(&[f64], &[f64])> = forces
-        .filter_map(|channel| Some((&channel.values[..], b.channel(&channel.name)?)))
-        .collect();
-    let apart: Vec<f64> = (0..a.len().min(b.len()))
-        .map(|k| {
-            both.iter()
-                .map(|(a, b)| (a[k] - b[k]).abs())
-                .fold(0.0, f64::max)
-        })
-        .collect();
+    let apart = shares(a, b, 1.0);
     let most = apart.iter().copied().fold(0.0, f64::max);
     let first = apart.iter().position(|apart| *apart > DEPARTED * most);
     first.map_or(0.0, |k| a.time_s()[k])

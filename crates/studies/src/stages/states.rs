@@ -8,7 +8,7 @@ use super::model::{Model, Work};
 /// Column of each coordinate of a gear and of its rate, in the order of the reduced form's y. `None`: a pin's angle, on which
 /// nothing depends.
 pub(super) struct Columns {
-    names: Vec<Option<String>>,
+    pub(super) names: Vec<Option<String>>,
     /// Name of each coordinate in words.
     pub(super) coordinates: Vec<String>,
     /// Number of free angles.

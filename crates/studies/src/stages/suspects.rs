@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use pinwheel_contact::PinLaw;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_scene::scales::hertz;
@@ -11,15 +12,19 @@ use super::judged::Stage;
 use super::model::Change;
 
 /// Meaning of the size p of a change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Size {
     /// Factor: the changed quantity is 1 + p times the native one.
     Factor,
-    /// An angle, rad.
-    Angle,
+    /// Added to a quantity, with its unit and a small size.
+    Shift(&'static str, f64),
     /// 0: the native form, 1: the other one.
     Switch,
 }
+
+/// An added angle, and a length.
+const ANGLE: Size = Size::Shift(" rad", 1e-6);
+const LENGTH: Size = Size::Shift(" m", 1e-9);
 
 /// A fault that somebody could have made.
 pub(super) struct Suspect {
@@ -49,13 +54,14 @@ impl Suspect {
     }
 }
 
-/// Pairs that a fault concerns.
+/// Pairs that a fault concerns, and the place of a key.
 type Of = fn(&PairContact) -> bool;
+type Key = fn(&mut Scene) -> &mut f64;
 
 /// Suspects of a gear, the most likely of those that look alike first.
 pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
-    use Size::{Angle, Factor, Switch};
-    use Stage::{Assembly, Driver, Equations, Integration, Law, Start};
+    use Size::{Factor, Shift, Switch};
+    use Stage::{Assembly, ContactSearch, Driver, Equations, Integration, Law, Start};
     let mut all = Vec::new();
     let mut add = |stage, cause, what: &str, size, change| {
         let what = what.to_owned();
@@ -67,67 +73,111 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
             change,
         });
     };
-    let (scene, layout, rubs) = (&gearbox.scene, gearbox.layout, gearbox.has_friction());
+    let (scene, layout) = (&gearbox.scene, gearbox.layout);
     let of_stages: [(&str, Of); 3] = [
-        ("of all contacts", |_| true),
+        ("of all contacts", is_any),
         ("of ring pins", is_external),
         ("of output pins", |pair| !is_external(pair)),
     ];
     for (which, of) in of_stages {
-        let what = format!("stiffness {which}");
-        let change = pairs(of, |pair, elastic| {
-            let [normal, friction, _] = pressed(pair, elastic);
-            [normal, friction, pair.along_force_n]
+        let change = pairs(of, |pair, law, p| {
+            pair.along_force_n *= 1.0 + p;
+            match law.law.info().stiffness {
+                None => {
+                    pair.stiffness *= 1.0 + p;
+                    again(pair, law);
+                }
+                // K is no stiffness there.
+                Some(_) => press(pair, p * pair.normal_force_at(law, 0.0)),
+            }
         });
-        add(Law, "stiffness", &what, Factor, change);
-        let what = format!("damping {which}");
-        let damping = |pair: &PairContact, elastic| pressed(pair, pair.normal_force_n - elastic);
-        add(Law, "damping", &what, Factor, pairs(of, damping));
-        let what = format!("friction {which}");
-        let friction = |pair: &PairContact, _| [0.0, pair.friction_force_n, 0.0];
-        add(Law, "friction", &what, Factor, pairs(of, friction));
+        add(
+            Law,
+            "stiffness",
+            &format!("stiffness {which}"),
+            Factor,
+            change,
+        );
+        let change = pairs(of, |pair, law, p| {
+            pair.normal_rate_m_s *= 1.0 + p;
+            again(pair, law);
+        });
+        add(Law, "damping", &format!("damping {which}"), Factor, change);
+        let change = pairs(of, |pair, _, p| pair.friction_force_n *= 1.0 + p);
+        add(
+            Law,
+            "friction",
+            &format!("friction {which}"),
+            Factor,
+            change,
+        );
+        let change = pairs(of, |pair, law, p| {
+            pair.penetration_m = (pair.penetration_m + p).max(0.0);
+            again(pair, law);
+        });
+        let what = format!("penetration {which}");
+        add(ContactSearch, "penetration", &what, LENGTH, change);
     }
+    let change = pairs(is_any, |pair, law, p| {
+        let grown = pair.penetration_m.powf(p) - 1.0;
+        press(pair, grown * pair.normal_force_at(law, 0.0));
+    });
+    let what = "exponent of the elastic force";
+    add(Law, "exponent", what, Shift("", 1e-6), change);
     let (radius, hertz) = (scene.gear.external_sleeve_radius_m, hertz(scene));
     let flat = hertz.on_flat(radius);
     if hertz.is_curved() {
         // 1/R = 1/q + 1/R_p: in a pit R_p is below 0.
         let r = move |pair: &PairContact| radius * (pair.stiffness / flat).powi(2);
         let is_pit = move |pair: &PairContact| is_external(pair) && r(pair) > radius;
-        let change = pairs(is_pit, move |pair, elastic| {
+        let change = pairs(is_pit, move |pair, law, p| {
             let other = (2.0 / radius - 1.0 / r(pair)).recip();
-            pressed(pair, elastic * ((other / r(pair)).sqrt() - 1.0))
+            let more = (other / r(pair)).sqrt() - 1.0;
+            press(pair, p * more * pair.normal_force_at(law, 0.0));
         });
         let what = "curvature of the other sign in pits";
         add(Law, "curvature", what, Switch, change);
     }
     if scene.contact.law == "paper" {
         let damping = scene.contact.damping_n_s_m;
-        let change = pairs(
-            |_| true,
-            move |pair, elastic| {
-                let whole = damping * pair.normal_rate_m_s + elastic;
-                pressed(pair, whole.max(0.0) - pair.normal_force_n)
-            },
-        );
+        let change = pairs(is_any, move |pair, law, p| {
+            let elastic = pair.normal_force_at(law, 0.0);
+            let whole = damping * pair.normal_rate_m_s + elastic;
+            press(pair, p * (whole.max(0.0) - pair.normal_force_n));
+        });
         add(Law, "damping", "damping without its ramp", Switch, change);
     }
-    let change = keys(|scene, p| scene.contact.ramp_m *= 1.0 + p);
-    add(Law, "damping", "contact.ramp_m", Factor, change);
-    if rubs {
-        let change = keys(|scene, p| scene.contact.friction_ramp_m_s *= 1.0 + p);
-        add(Law, "friction", "contact.friction_ramp_m_s", Factor, change);
-    }
-    let change = keys(|scene, p| scene.gear.eccentricity_m *= 1.0 + p);
-    add(Start, "eccentricity", "gear.eccentricity_m", Factor, change);
-    let (circle, count) = (scene.gear.internal_circle_radius_m, layout.internal_sleeves);
-    for wheel in 0..layout.wheels {
-        let change = keys(move |scene, p| {
+    let mut of_key = |stage, cause, what, key: Key| {
+        if *key(&mut Scene::clone(scene)) != 0.0 {
+            let change = keys(move |scene, p| *key(scene) *= 1.0 + p);
+            add(stage, cause, what, Factor, change);
+        }
+    };
+    of_key(Law, "damping", "contact.ramp_m", |s| &mut s.contact.ramp_m);
+    of_key(Law, "friction", "contact.friction_ramp_m_s", |s| {
+        &mut s.contact.friction_ramp_m_s
+    });
+    of_key(Start, "eccentricity", "gear.eccentricity_m", |s| {
+        &mut s.gear.eccentricity_m
+    });
+    of_key(Equations, "load", "drive.load_ramp_s", |s| {
+        &mut s.drive.load_ramp_s
+    });
+    let turned = |discs: Range<usize>| {
+        keys(move |scene, p| {
             let errors = &mut scene.gear.errors.phase_rad;
             errors.resize(layout.wheels, 0.0);
-            errors[wheel] += p;
-        });
+            errors[discs.clone()]
+                .iter_mut()
+                .for_each(|error| *error += p);
+        })
+    };
+    let what = "angle of the input";
+    add(Start, "phase", what, ANGLE, turned(0..layout.wheels));
+    let (circle, count) = (scene.gear.internal_circle_radius_m, layout.internal_sleeves);
+    for wheel in 0..layout.wheels {
         let what = format!("phase of disc {wheel}'s eccentric");
-        add(Start, "phase", &what, Angle, change);
+        add(Start, "phase", &what, ANGLE, turned(wheel..wheel + 1));
         let change = keys(move |scene, p| {
             let errors = &mut scene.gear.errors.hole_tangential_m;
             errors.resize(layout.wheels * count, 0.0);
@@ -135,14 +185,12 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
             own.iter_mut().for_each(|error| *error += p * circle);
         });
         let what = format!("angle of disc {wheel}'s holes");
-        add(Start, "holes", &what, Angle, change);
-        let change = pairs(
-            move |pair| pair.wheel == wheel,
-            |pair, _| {
-                let [normal, friction, _] = pressed(pair, pair.normal_force_n);
-                [normal, friction, pair.along_force_n]
-            },
-        );
+        add(Start, "holes", &what, ANGLE, change);
+        let is_of = move |pair: &PairContact| pair.wheel == wheel;
+        let change = pairs(is_of, |pair, _, p| {
+            pair.along_force_n *= 1.0 + p;
+            press(pair, p * pair.normal_force_n);
+        });
         let what = format!("forces of disc {wheel}");
         add(Assembly, "sum", &what, Factor, change);
         let what = format!("share of disc {wheel} in the driver's torque");
@@ -173,48 +221,46 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
+    // A disc's motion knows moment over inertia alone.
+    let what = "moments of contact forces on the discs";
+    add(Assembly, "lever", what, Factor, Change::Lever);
+    add(Equations, "load", "load", Factor, Change::Load);
+    add(
+        Integration,
+        "step",
+        "motion in a step",
+        Factor,
+        Change::Step,
+    );
     let last = 2 + layout.external_sleeves + count;
-    for (stage, cause, what, change) in [
-        // A disc's motion knows moment over inertia alone.
-        (
-            Assembly,
-            "lever",
-            "moments of contact forces on the discs",
-            Change::Lever,
-        ),
-        (Equations, "load", "load", Change::Load),
-        (Integration, "step", "motion in a step", Change::Step),
-        (
-            Driver,
-            "torque",
-            "driver's torque as written",
-            Change::Column(0, 1),
-        ),
-        (
-            Assembly,
-            "torque",
-            "output's torque as written",
-            Change::Column(1, 2),
-        ),
-        (Law, "force", "forces as written", Change::Column(2, last)),
+    for (stage, cause, what, columns) in [
+        (Driver, "torque", "driver's torque as written", 0..1),
+        (Assembly, "torque", "output's torque as written", 1..2),
+        (Law, "force", "forces as written", 2..last),
     ] {
+        let change = Change::Column(columns.start, columns.end);
         add(stage, cause, what, Factor, change);
     }
     all
+}
+
+fn is_any(_: &PairContact) -> bool {
+    true
 }
 
 fn is_external(pair: &PairContact) -> bool {
     matches!(pair.sleeve, Sleeve::External(_))
 }
 
-/// Forces beside those of the pairs that it concerns.
+/// Another pair for those that it concerns.
 fn pairs(
     of: impl Fn(&PairContact) -> bool + 'static,
-    force: impl Fn(&PairContact, f64) -> [f64; 3] + 'static,
+    change: impl Fn(&mut PairContact, &PinLaw, f64) + 'static,
 ) -> Change {
-    Change::Pair(Box::new(move |pair, elastic| match of(pair) {
-        true => force(pair, elastic),
-        false => [0.0; 3],
+    Change::Pair(Box::new(move |pair, law, p| {
+        if of(pair) {
+            change(pair, law, p);
+        }
     }))
 }
 
@@ -240,8 +286,17 @@ fn heavier(bodies: Range<usize>, turning: Option<usize>) -> Change {
     }))
 }
 
-/// Forces of a pair with so much more normal force, N, and its share of the friction.
-fn pressed(pair: &PairContact, more: f64) -> [f64; 3] {
-    let share = more / pair.normal_force_n.max(f64::MIN_POSITIVE);
-    [more, share * pair.friction_force_n, 0.0]
+/// Renews the forces of a pair that was changed.
+fn again(pair: &mut PairContact, law: &PinLaw) {
+    let normal = pair.normal_force_at(law, pair.normal_rate_m_s);
+    press(pair, normal - pair.normal_force_n);
+}
+
+/// Adds to a pair's normal force, N, with its share of the friction.
+fn press(pair: &mut PairContact, more: f64) {
+    let before = pair.normal_force_n;
+    pair.normal_force_n = (before + more).max(0.0);
+    if before > 0.0 {
+        pair.friction_force_n *= pair.normal_force_n / before;
+    }
 }

@@ -90,7 +90,8 @@ fn chart(located: &Located, picture: &Picture) -> Chart {
     };
     let share = match stage {
         Stage::Start => "state",
-        Stage::ContactSearch | Stage::Law => "largest force",
+        Stage::ContactSearch => "largest contact",
+        Stage::Law => "largest force",
         Stage::Assembly | Stage::Driver => "largest torque",
         Stage::Equations | Stage::Integration => "load's effect",
     };
