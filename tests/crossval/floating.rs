@@ -192,7 +192,7 @@ const RINGS: &[(&str, &[(&str, &str)])] = &[
             ("gear.external_sleeves_turn", "false"),
             ("contact.friction_coefficient", "0.1"),
             ("contact.friction_ramp_m_s", "0.05"),
-            ("solver.duration_s", "0.00005"),
+            ("solver.duration_s", "0.0001"),
         ],
     ),
     (
