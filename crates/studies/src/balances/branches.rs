@@ -43,6 +43,9 @@ const WIDTHS: [(f64, &FigureDef); 2] = [
     (NO_LOAD, &defs::HYSTERESIS_NO_LOAD),
 ];
 
+/// Width below 0 that is no rounding, arcmin.
+const SWUNG_ARCMIN: f64 = 1e-6;
+
 impl Pose {
     /// Takes the loads with friction from the balance `at` without it: the larger of both directions of the input, and pairs and
     /// bearings of the scene's own.
@@ -146,7 +149,10 @@ pub(crate) fn hysteresis(
         Ok(widths)
     })?;
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
+        // Under a falling load the output stands ahead. Where it does not, a disc has gone to the other side of its play.
+        let ahead = |(width, apart): &(f64, f64)| *width >= -*apart - SWUNG_ARCMIN;
         let widths = found.iter().flatten().map(|widths| widths[k]);
+        let widths = widths.map(|found| found.filter(ahead));
         let Some(widths) = widths.collect::<Option<Vec<_>>>() else {
             return vec![def.of(None, None).withheld(HISTORY.to_owned())];
         };
