@@ -355,10 +355,6 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
             assert!(reason(engine, &scene("paper", keys)).contains(named));
         }
     }
-    for engine in [HOOK, COLLIDERS] {
-        let ring = scene("paper", &[("drive.output", "\"ring\"")]);
-        assert!(reason(engine, &ring).contains("drive.output"));
-    }
     assert!(reason(COLLIDERS, &scene("paper-rough", &[])).contains("contact.detection"));
     let equilibrium = scene("paper", &[("drive.start", "\"equilibrium\"")]);
     assert!(reason(COLLIDERS, &equilibrium).contains("drive.start"));

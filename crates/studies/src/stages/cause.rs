@@ -72,7 +72,7 @@ pub(super) type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 
 /// Changes that explain almost the same are told apart by their factor: a sign or a missing part is more likely than any.
 const ALIKE: f64 = 1e-4;
-/// Those of which one leaves so many times what the best leaves are not alike, unless both leave roundings.
+/// Ratio of what two changes leave from which on they are not alike, unless both leave roundings.
 const NEARLY: f64 = 10.0;
 const SAME: f64 = 1e-8;
 /// Factor on a mass that is missing.
