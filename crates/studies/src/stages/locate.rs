@@ -51,7 +51,7 @@ impl Located {
 
     /// The first stage that is off and the likely cause with its figure; or that no stage is.
     pub fn words(&self) -> String {
-        let Some(first) = self.first() else {
+        if self.first().is_none() {
             let mut blind = self.stages.iter();
             let blind = blind.find(|judged| judged.residual.is_none());
             return match (blind, &self.left_out) {
@@ -61,9 +61,9 @@ impl Located {
                 (None, Some(left_out)) => format!("no stage differs; {left_out}"),
                 (None, None) => "no stage differs beyond the error of its step".to_owned(),
             };
-        };
+        }
         match &self.cause {
-            Some(cause) => format!("{}, {}", first.name(), cause.words()),
+            Some(cause) => cause.words(),
             None => {
                 let why = self.left_out.iter().map(|why| format!("; {why}"));
                 self.off() + &why.collect::<String>()
