@@ -1,7 +1,6 @@
 //! The cause: the change of the model, or the two, that explain a residual best.
 
 use std::cmp::Reverse;
-use std::iter::once;
 
 use serde::Serialize;
 
@@ -52,7 +51,7 @@ impl Cause {
 
     /// Parts of each that explains as much.
     fn all(&self) -> impl Iterator<Item = &Vec<Part>> {
-        once(&self.parts).chain(&self.others)
+        std::iter::once(&self.parts).chain(&self.others)
     }
 
     /// The stage and the cause with its figure.

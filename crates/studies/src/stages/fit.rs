@@ -93,17 +93,12 @@ pub(super) fn fit(
             // A change that is no cause soon gains little, and so does every one at the bottom.
             if step > 0 { break } else { return None }
         };
-        let is_still = at
-            .iter()
-            .zip(&next)
-            .all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
+        let mut moved = at.iter().zip(&next);
+        let is_still = moved.all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
         // Slopes by Broyden's method: those of a single change are secants.
         let steps = less(&next, &at);
-        let scaled: Vec<f64> = steps
-            .iter()
-            .zip(limits)
-            .map(|(step, [small, _])| step / small)
-            .collect();
+        let scaled = steps.iter().zip(limits);
+        let scaled: Vec<f64> = scaled.map(|(step, [small, _])| step / small).collect();
         let long = dot(&scaled, &scaled);
         let mut untold = less(&found, &values);
         let told = slopes.iter().zip(&steps);
@@ -116,13 +111,10 @@ pub(super) fn fit(
         }
     }
     let rest = dot(&left, &left);
-    let error = |square: f64| (rest / square).sqrt();
+    let sizes = at.iter().zip(&squares);
+    let sizes = sizes.map(|(size, square)| [*size, (rest / square).sqrt()]);
     Some(Fit {
-        sizes: at
-            .iter()
-            .zip(&squares)
-            .map(|(size, square)| [*size, error(*square)])
-            .collect(),
+        sizes: sizes.collect(),
         explained: 1.0 - rest / whole,
     })
 }

@@ -1032,7 +1032,7 @@ fn locating_costs_no_more_than_a_run() {
             // The search for what is off may take more than a short run.
             let floor = match name == "right" || ENGINES.contains(&name) {
                 true => 10_000,
-                false => 60_000,
+                false => 50_000,
             };
             if evaluations > run.stats.rhs_calls.max(floor) {
                 above.push(format!("{preset}, {name}: {share:.2}"));
