@@ -14,6 +14,8 @@ use super::suspects::{self, Size, Suspect};
 pub struct Cause {
     /// Its parts: one, or two where one alone explains too little.
     pub parts: Vec<Part>,
+    /// Parts of every other cause that explains as much.
+    pub others: Vec<Vec<Part>>,
     /// Share of the residual's square that it explains.
     pub explained: f64,
     /// Relative L2 distance of the run's forces from a native run, without the change and with it.
@@ -38,24 +40,60 @@ pub struct Part {
 impl Cause {
     /// First stage in which it acts.
     pub fn stage(&self) -> Option<Stage> {
-        self.parts.iter().map(|part| part.stage).min()
+        self.stages().first().copied()
     }
 
-    /// The cause with its figure.
+    /// First stage in which each acts that explains as much, the likeliest first.
+    pub fn stages(&self) -> Vec<Stage> {
+        let first = |parts: &Vec<Part>| parts.iter().map(|part| part.stage).min();
+        self.all().filter_map(first).collect()
+    }
+
+    /// Parts of each that explains as much.
+    fn all(&self) -> impl Iterator<Item = &Vec<Part>> {
+        std::iter::once(&self.parts).chain(&self.others)
+    }
+
+    /// The stage and the cause with its figure.
     pub fn words(&self) -> String {
-        let all = |of: fn(&Part) -> &str| {
-            let words: Vec<&str> = self.parts.iter().map(of).collect();
-            words.join(" and ")
+        let all = |or, of: fn(&Part) -> &str| {
+            let each = self.all().map(|parts| {
+                let words: Vec<&str> = parts.iter().map(of).collect();
+                words.join(" and ")
+            });
+            either(each, or)
         };
         let explained = percent(self.explained);
-        let verb = if self.parts.len() > 1 {
-            "explain"
-        } else {
-            "explains"
+        let verb = ["explain", "explains"][usize::from(self.parts.len() == 1)];
+        let [comma, open] = match self.others.is_empty() {
+            true => ["", ""],
+            false => [",", "; what was judged does not tell them apart"],
         };
-        let (word, what) = (all(|part| part.word), all(|part| &part.what));
-        format!("likely {word}: {what} {verb} {explained}")
+        let stages = self.stages().into_iter();
+        let stages = either(stages.map(|stage| stage.name().to_owned()), " or ");
+        let word = all(" or ", |part| part.word);
+        let what = all(", or ", |part| &part.what);
+        format!("{stages}, likely {word}: {what}{comma} {verb} {explained}{open}")
     }
+}
+
+/// Alternatives in words; those that differ in the disc alone name each disc.
+fn either(all: impl Iterator<Item = String>, or: &str) -> String {
+    let mut said: Vec<[String; 3]> = Vec::new();
+    for one in all {
+        let number = one.find("disc ").map_or(one.len(), |at| at + 5);
+        let (start, rest) = one.split_at(number);
+        let end = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+        let disc = &rest[..rest.len() - end.len()];
+        let mut alike = said.iter_mut();
+        match alike.find(|it| it[0] == start && it[2] == end) {
+            Some([_, discs, _]) if discs.split(" or ").any(|it| it == disc) => {}
+            Some([_, discs, _]) => *discs += &format!(" or {disc}"),
+            None => said.push([start, disc, end].map(str::to_owned)),
+        }
+    }
+    let said: Vec<String> = said.iter().map(|parts| parts.concat()).collect();
+    said.join(or)
 }
 
 /// A cause with the changes of the model that are its parts.
@@ -77,6 +115,8 @@ const NEARLY: f64 = 10.0;
 const SAME: f64 = 1e-8;
 /// Factor on a mass that is missing.
 const LIGHTEST: f64 = 1e-9;
+/// Share that a change explains linearly less than one that it cannot be told from.
+const BESIDE: f64 = 0.01;
 /// Share that a change explains linearly before it is followed further: large ones are far from linear.
 const LEAST: f64 = 0.05;
 /// Changes, and pairs of changes, that are followed.
@@ -119,15 +159,26 @@ pub(super) fn cause(
             .sum::<f64>()
             / whole
     };
+    // The likeliest first of those that look alike.
     let best = |sets: Vec<Vec<usize>>, least: f64| {
-        // The first of those that look alike.
         let telling = |(of, fit): &(Vec<usize>, Fit)| {
             let each = of.iter().zip(&fit.sizes);
             each.filter(|(k, [size, _])| suspects[**k].size.is_telling(*size))
                 .count()
         };
+        let sets = sets.into_iter().map(|set| (share(&set), set));
+        let mut sets: Vec<_> = sets.filter(|(share, _)| *share > LEAST).collect();
+        sets.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let mut enough = LEAST;
         let mut fits: Vec<(Vec<usize>, Fit)> = Vec::new();
-        for set in sets {
+        for (number, (share, set)) in sets.into_iter().enumerate() {
+            if share < enough {
+                break;
+            }
+            // Those that look alike belong together.
+            if number + 1 == FOLLOWED {
+                enough = enough.max(share - ALIKE);
+            }
             let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
             let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
             let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
@@ -136,71 +187,60 @@ pub(super) fn cause(
                 continue;
             };
             let free = (run.len() as f64).sqrt();
-            let mut sizes = fit.sizes.iter();
-            let is_clear = sizes.all(|[size, error]| free * size.abs() > CLEAR * error);
+            // One of two may be nothing.
+            let each = of.into_iter().zip(fit.sizes);
+            let (of, sizes): (Vec<usize>, Vec<[f64; 2]>) = each
+                .filter(|(k, [size, _])| size.abs() > NOTHING * suspects[*k].limits()[0])
+                .unzip();
+            let mut each = sizes.iter();
+            let is_clear = each.all(|[size, error]| free * size.abs() > CLEAR * error);
             if fit.explained >= least && is_clear {
-                fits.push((of, fit));
-                // No other explains more, or is more likely.
-                let is_last = |it: &(Vec<usize>, Fit)| {
-                    1.0 - it.1.explained < ALIKE && telling(it) == it.0.len()
-                };
-                if fits.last().is_some_and(is_last) {
-                    break;
+                let found = (of, Fit { sizes, ..fit });
+                // None explains more or is more likely, and those that explain as much do so linearly.
+                if 1.0 - found.1.explained < ALIKE && telling(&found) == found.0.len() {
+                    enough = enough.max(share - BESIDE);
                 }
+                fits.push(found);
             }
         }
-        fits.sort_unstable_by(|a, b| a.0.cmp(&b.0));
         let each = fits.iter().map(|(_, fit)| fit.explained);
         let most = each.fold(0.0, f64::max);
         // What is exact is told from what is almost so.
         let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
         fits.retain(|(_, fit)| most - fit.explained < apart);
-        fits.into_iter().min_by_key(|found| Reverse(telling(found)))
+        fits.sort_by_cached_key(|found| (Reverse(telling(found)), found.0.clone()));
+        fits.dedup_by(|a, b| a.0 == b.0);
+        fits
     };
-    let nearest = |sets: Vec<Vec<usize>>| -> Vec<Vec<usize>> {
-        let mut sets: Vec<(f64, Vec<usize>)> =
-            sets.into_iter().map(|set| (share(&set), set)).collect();
-        sets.retain(|(share, _)| *share > LEAST);
-        sets.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        // Those that look alike belong together.
-        let last = sets
-            .iter()
-            .map(|(share, _)| share - ALIKE)
-            .nth(FOLLOWED - 1);
-        sets.retain(|(share, _)| last.is_none_or(|last| *share >= last));
-        sets.into_iter().map(|(_, set)| set).collect()
-    };
-    let singles = (0..slopes.len()).map(|k| vec![k]).collect();
-    let mut found = best(nearest(singles), least);
-    if found.is_none() && least != SURE {
+    let singles = (0..slopes.len()).map(|k| vec![k]);
+    let mut found = best(singles.collect(), least);
+    if found.is_empty() && least != SURE {
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
-        found = best(nearest(pairs.collect()), least.max(SURE));
+        found = best(pairs.collect(), least.max(SURE));
     }
     // The best may be among those that were not followed.
-    let (of, fit) = found.filter(|_| work.left() > 0)?;
-    // One of two may be nothing.
-    let both = of.into_iter().zip(fit.sizes);
-    let of: Vec<(usize, [f64; 2])> = both
-        .filter(|(k, [size, _])| size.abs() > NOTHING * suspects[*k].limits()[0])
-        .collect();
-    let part = |&(k, [size, plus_minus]): &(usize, [f64; 2])| {
-        let suspect = &suspects[k];
+    let found = Some(found).filter(|_| work.left() > 0)?;
+    let (first, fit) = found.first()?;
+    let part = |(k, [size, plus_minus]): (&usize, &[f64; 2])| {
+        let suspect = &suspects[*k];
         Part {
             stage: suspect.stage,
             word: suspect.cause,
-            what: suspect.size.words(&suspect.what, size, plus_minus),
-            size,
-            plus_minus,
+            what: suspect.size.words(&suspect.what, *size, *plus_minus),
+            size: *size,
+            plus_minus: *plus_minus,
         }
     };
-    let parts = of.iter().map(part).collect();
+    let parts = |(of, fit): &(Vec<usize>, Fit)| of.iter().zip(&fit.sizes).map(part).collect();
+    let mut all = found.iter().map(parts);
     let cause = Cause {
-        parts,
+        parts: all.next()?,
+        others: all.collect(),
         explained: fit.explained,
         distance: None,
     };
     let changes = suspects.into_iter().enumerate();
-    let changes = changes.filter(|(number, _)| of.iter().any(|(k, _)| k == number));
+    let changes = changes.filter(|(k, _)| first.contains(k));
     Some((cause, changes.map(|(_, suspect)| suspect.change).collect()))
 }
 

@@ -15,9 +15,9 @@ use super::states;
 const SAMPLES: f64 = 100.0;
 const AFTER: f64 = 20.0;
 const SHORTEST: f64 = 1500.0;
-/// Evaluations of the shortest run that judging is measured by, without the search for what is off, with it, and with it where there is friction: some hundredths
-/// and tenths of a second.
-const LEAST: [u64; 3] = [10_000, 60_000, 150_000];
+/// Evaluations of the shortest run that judging is measured by, without the search for what is off, with it, and with it where
+/// there is friction: some hundredths and tenths of a second.
+const LEAST: [u64; 3] = [10_000, 50_000, 150_000];
 /// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
 const STEP: f64 = 4.0;
 const TOLERANCE: [f64; 2] = [100.0, 4.0];

@@ -77,7 +77,7 @@ pub(super) fn fit(
         {
             return None;
         }
-        // A model far away may not exist, or be worse.
+        // A model far away may not exist, or be worse; a secant of a curve may lead as far beyond.
         let tried = (0..if step == 0 { 7 } else { 3 }).find_map(|halvings| {
             let part = 0.5_f64.powi(halvings);
             let next = at.iter().zip(&steps).zip(limits);
@@ -86,44 +86,35 @@ pub(super) fn fit(
                 .collect();
             let values = predict(&next)?;
             let rest = less(target, &values);
-            (dot(&rest, &rest) <= dot(&left, &left)).then_some((next, values, rest))
+            (dot(&rest, &rest) <= (1.0 - LITTLE) * dot(&left, &left))
+                .then_some((next, values, rest))
         });
         let Some((next, found, rest)) = tried else {
-            // At the bottom roundings alone are left.
+            // A change that is no cause soon gains little, and so does every one at the bottom.
             if step > 0 { break } else { return None }
         };
-        let is_still = at
-            .iter()
-            .zip(&next)
-            .all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
+        let mut moved = at.iter().zip(&next);
+        let is_still = moved.all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
         // Slopes by Broyden's method: those of a single change are secants.
         let steps = less(&next, &at);
-        let scaled: Vec<f64> = steps
-            .iter()
-            .zip(limits)
-            .map(|(step, [small, _])| step / small)
-            .collect();
+        let scaled = steps.iter().zip(limits);
+        let scaled: Vec<f64> = scaled.map(|(step, [small, _])| step / small).collect();
         let long = dot(&scaled, &scaled);
         let mut untold = less(&found, &values);
         let told = slopes.iter().zip(&steps);
         told.for_each(|(slope, step)| add(&mut untold, -step, slope));
         let parts = slopes.iter_mut().zip(&scaled).zip(limits);
         parts.for_each(|((slope, part), [small, _])| add(slope, part / small / long, &untold));
-        let gained = dot(&left, &left) - dot(&rest, &rest);
         (at, left, values) = (next, rest, found);
-        // A change that is no cause soon gains little, and so does every one at the bottom.
-        if is_still || gained <= 1e-12 * whole || gained < LITTLE * dot(&left, &left) {
+        if is_still || dot(&left, &left) <= 1e-12 * whole {
             break;
         }
     }
     let rest = dot(&left, &left);
-    let error = |square: f64| (rest / square).sqrt();
+    let sizes = at.iter().zip(&squares);
+    let sizes = sizes.map(|(size, square)| [*size, (rest / square).sqrt()]);
     Some(Fit {
-        sizes: at
-            .iter()
-            .zip(&squares)
-            .map(|(size, square)| [*size, error(*square)])
-            .collect(),
+        sizes: sizes.collect(),
         explained: 1.0 - rest / whole,
     })
 }

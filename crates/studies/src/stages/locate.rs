@@ -43,31 +43,24 @@ impl Located {
 
     /// One line for the first screen, which begins with `stage` where a stage is off.
     pub fn sentence(&self) -> String {
-        match self.first() {
-            Some(_) => format!("stage {}", self.words()),
-            None => self.words(),
-        }
+        let stage = self.first().map_or("", |_| "stage ");
+        format!("{stage}{}", self.words())
     }
 
     /// The first stage that is off and the likely cause with its figure; or that no stage is.
     pub fn words(&self) -> String {
-        let Some(first) = self.first() else {
-            let mut blind = self.stages.iter();
-            let blind = blind.find(|judged| judged.residual.is_none());
-            return match (blind, &self.left_out) {
-                (Some(judged), _) => {
-                    format!("no stage that can be checked differs: {}", judged.note)
-                }
-                (None, Some(left_out)) => format!("no stage differs; {left_out}"),
-                (None, None) => "no stage differs beyond the error of its step".to_owned(),
-            };
-        };
-        match &self.cause {
-            Some(cause) => format!("{}, {}", first.name(), cause.words()),
-            None => {
-                let why = self.left_out.iter().map(|why| format!("; {why}"));
-                self.off() + &why.collect::<String>()
+        let mut stages = self.stages.iter();
+        let blind = stages.find(|judged| judged.residual.is_none());
+        let why = self.left_out.iter().map(|why| format!("; {why}"));
+        let why = why.collect::<String>();
+        match (self.first(), &self.cause, blind) {
+            (Some(_), Some(cause), _) => cause.words(),
+            (Some(_), None, _) => self.off() + &why,
+            (None, _, Some(judged)) => {
+                format!("no stage that can be checked differs: {}", judged.note)
             }
+            _ if why.is_empty() => "no stage differs beyond the error of its step".to_owned(),
+            _ => format!("no stage differs{why}"),
         }
     }
 
@@ -174,10 +167,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         for sample in &mut samples {
             sample.y[half..].copy_from_slice(&known[half..]);
         }
-        if samples
-            .iter()
-            .all(|sample| sample.y.iter().all(|y| y.is_finite()))
-        {
+        let mut places = samples.iter().flat_map(|sample| &sample.y);
+        if places.all(|y| y.is_finite()) {
             let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
             let (differ, first) = columns.search(false);
             located.stages[1] = Judged::told(Stage::ContactSearch, differ, 0.0, first);

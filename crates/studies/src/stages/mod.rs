@@ -6,7 +6,7 @@
 //! ```
 //! The part of d_n that falls with the run's step is integration, as a second run at a smaller step shows; the rest is equations.
 //! A cause is a suspected change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
-//! Gauss-Newton, and a native run with it.
+//! Gauss-Newton, and a native run with it. All that explain as much are named.
 //!
 //! Sources: defect of one step, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, II.3; defect
 //! correction, Stetter, Numer. Math. 29 (1978) 425.

@@ -40,9 +40,9 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
         None => String::new(),
     };
     // Geometry shows in later stages alone.
-    let of_cause = located.cause.as_ref().and_then(Cause::stage);
+    let of_cause = located.cause.as_ref().map_or(Vec::new(), Cause::stages);
     let word = |judged: &Judged| match judged.residual {
-        _ if of_cause == Some(judged.stage) => "likely cause",
+        _ if of_cause.contains(&judged.stage) => "likely cause",
         None => "not judged",
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
