@@ -159,7 +159,7 @@ impl Balances {
             {
                 errors = resampled(errors, meshes);
             }
-            let spread = Spread::of(errors.into_iter());
+            let spread = Spread::of(errors);
             spread.max - spread.min
         });
         Summed {
