@@ -185,7 +185,7 @@ fn browser_explores_under_a_hand() {
         for (look, fold) in [(DESK, 900.0), (PHONE, 844.0)] {
             browser.look(look);
             let seen = browser.evaluate(
-                "(async () => { await new Promise((r) => setTimeout(r, 300)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
+                "(async () => { await new Promise((r) => setTimeout(r, 100)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
                  return [at('#figures').top, at('#figures').bottom, at('.gearboxes').bottom, at('.hand').top]; })()",
             );
             let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| seen[k].as_f64().unwrap());
