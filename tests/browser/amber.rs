@@ -50,7 +50,7 @@ impl Said {
 fn rig(dir: &Path) {
     let ran = run_in(
         dir,
-        words("run paper --set solver.duration_s=0.02 --out ours --force"),
+        words("run paper --set solver.duration_s=0.01 --out ours --force"),
     );
     assert_eq!(ran.code, Some(0), "{ran:?}");
     let ours = TimeSeries::load_csv(&dir.join("ours/courses.csv")).unwrap();
@@ -74,7 +74,7 @@ fn map(dir: &Path, uncertainty: &str) {
 #[test]
 fn browser_is_amber_where_nothing_confirms() {
     browse(|browser, dir| {
-        let short = "--set solver.duration_s=0.02";
+        let short = "--set solver.duration_s=0.01";
         // A single engine agrees with its load, and has no partner.
         let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
         alone.says("open", "Not confirmed", &["no agreement yet"]);

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Command, Stdio};
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use tempfile::TempDir;
 
 /// Longest wait for one message on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -24,8 +24,10 @@ const NAMES: [&str; 7] = [
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
 ];
-/// Chromium reads commands from file 3 and writes answers to file 4.
-const START: &str = "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1";
+/// Chromium reads commands from file 3 and writes answers to file 4. It ends with the first, and its profile is removed.
+const START: &str = "P=$(mktemp -d) && \"$0\" \"$@\" --user-data-dir=\"$P\" 3<&0 4>&1 </dev/null >/dev/null 2>&1; rm -rf \"$P\"";
+/// Browsers without a test.
+static IDLE: Mutex<Vec<Chromium>> = Mutex::new(Vec::new());
 const FLAGS: [&str; 9] = [
     "--headless=new",
     "--remote-debugging-pipe",
@@ -58,11 +60,8 @@ pub(crate) const PHONE: Look = Look { width: 390, ..DESK };
 
 /// Running browser, ended on drop.
 pub(crate) struct Chromium {
-    child: Child,
     commands: ChildStdin,
     answers: Receiver<Value>,
-    /// Profile; removed with the browser.
-    _profile: TempDir,
     next: u64,
     session: Option<String>,
     /// Errors and warnings of the console, and exceptions, since the page was opened.
@@ -84,7 +83,7 @@ fn program() -> Option<PathBuf> {
     all.find(|program| program.is_file())
 }
 
-/// Runs a test in a browser and an empty folder. Without a browser it prints a note and skips the test, or fails if
+/// Runs a test in an empty browser, which the next one uses too, and an empty folder. Without a browser it prints a note and skips the test, or fails if
 /// `PINWHEEL_REQUIRE_BROWSER` is set.
 pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
     let Some(program) = program() else {
@@ -100,22 +99,28 @@ pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    test(&mut Chromium::start(&program), dir.path());
+    let idle = IDLE.lock().unwrap().pop();
+    let mut browser = idle.unwrap_or_else(|| Chromium::start(&program));
+    let context = browser.begin();
+    test(&mut browser, dir.path());
+    // What the test stored goes with its page.
+    browser.session = None;
+    browser.call("Target.disposeBrowserContext", context);
+    IDLE.lock().unwrap().push(browser);
 }
 
 impl Chromium {
     fn start(program: &Path) -> Self {
-        let profile = tempfile::tempdir().unwrap();
         let mut child = Command::new("sh")
             .args(["-c", START])
             .arg(program)
             .args(FLAGS)
-            .arg(format!("--user-data-dir={}", profile.path().display()))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
         let (sender, answers) = channel();
+        let commands = child.stdin.take().unwrap();
         let mut stream = BufReader::new(child.stdout.take().unwrap());
         std::thread::spawn(move || {
             let mut message = Vec::new();
@@ -129,27 +134,33 @@ impl Chromium {
                 }
                 message.clear();
             }
+            let _ = child.wait();
         });
-        let mut browser = Self {
-            commands: child.stdin.take().unwrap(),
-            child,
+        Self {
+            commands,
             answers,
-            _profile: profile,
             next: 0,
             session: None,
             complaints: Vec::new(),
             loaded: false,
-        };
-        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        }
+    }
+
+    /// Opens an empty page in a context of its own, and returns the latter.
+    fn begin(&mut self) -> Value {
+        let context = self.call("Target.createBrowserContext", json!({}));
+        let options =
+            json!({"url": "about:blank", "browserContextId": context["browserContextId"]});
+        let target = self.call("Target.createTarget", options);
         let options = json!({"targetId": target["targetId"], "flatten": true});
-        let attached = browser.call("Target.attachToTarget", options);
-        browser.session = attached["sessionId"].as_str().map(str::to_owned);
+        let attached = self.call("Target.attachToTarget", options);
+        self.session = attached["sessionId"].as_str().map(str::to_owned);
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
-            browser.call(domain, json!({}));
+            self.call(domain, json!({}));
         }
         // Durations are processor time, independent of other load.
-        browser.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
-        browser
+        self.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
+        context
     }
 
     /// Opens a file and waits until it is loaded.
@@ -351,12 +362,5 @@ impl Chromium {
         };
         self.complaints.extend(complaint);
         message
-    }
-}
-
-impl Drop for Chromium {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }

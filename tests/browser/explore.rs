@@ -13,9 +13,9 @@ use crate::interact::{click, place};
 
 /// Waits until all requests are answered with balances and bands by contact law.
 const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => setTimeout(r, ms)); while (document.body.dataset.explore === undefined) await rest(20); \
-    for (let before = ''; ; before = document.body.dataset.answered) { await rest(100); if (document.body.dataset.busy === undefined && document.body.dataset.computing === undefined && document.body.dataset.answered === before) return; } })()";
+    for (let before = ''; ; before = document.body.dataset.answered) { await rest(60); if (document.body.dataset.busy === undefined && document.body.dataset.computing === undefined && document.body.dataset.answered === before) return; } })()";
 /// Waits until all requests are answered with balances.
-const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 60)); } while (document.body.dataset.busy !== undefined || /^(Balances|The motion)/.test(document.querySelector('#why').textContent)); })()";
+const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 20)); } while (document.body.dataset.busy !== undefined || /^(Balances|The motion)/.test(document.querySelector('#why').textContent)); })()";
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
 const SAID: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
@@ -34,12 +34,10 @@ fn drag(browser: &mut Chromium, slider: &str, to: f64) {
     let from = share(browser, slider);
     // A thumb of 16 px stays within the bar.
     let at = |share: f64| x + (share - 0.5) * (wide - 16.0);
-    browser.mouse(&[("mousePressed", at(from), y)], 1);
-    for k in 1..=4 {
-        let share = from + (to - from) * f64::from(k) / 4.0;
-        browser.mouse(&[("mouseMoved", at(share), y)], 1);
-    }
-    browser.mouse(&[("mouseReleased", at(to), y)], 1);
+    let half = ("mouseMoved", at(0.5 * (from + to)), y);
+    browser.mouse(&[("mousePressed", at(from), y), half], 1);
+    let end = ["mouseMoved", "mouseReleased"].map(|kind| (kind, at(to), y));
+    browser.mouse(&end, 1);
 }
 
 /// Waits until a text of the page meets a condition; the page may reload meanwhile.
@@ -49,7 +47,7 @@ fn until(browser: &mut Chromium, script: &str, holds: impl Fn(&str) -> bool) -> 
         if holds(&text) {
             return text;
         }
-        std::thread::sleep(std::time::Duration::from_millis(50));
+        std::thread::sleep(std::time::Duration::from_millis(20));
     }
     panic!("{script} stays {}", browser.text(script));
 }
@@ -187,7 +185,7 @@ fn browser_explores_under_a_hand() {
         for (look, fold) in [(DESK, 900.0), (PHONE, 844.0)] {
             browser.look(look);
             let seen = browser.evaluate(
-                "(async () => { await new Promise((r) => setTimeout(r, 300)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
+                "(async () => { await new Promise((r) => setTimeout(r, 100)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
                  return [at('#figures').top, at('#figures').bottom, at('.gearboxes').bottom, at('.hand').top]; })()",
             );
             let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| seen[k].as_f64().unwrap());
@@ -217,7 +215,7 @@ fn type_at(browser: &mut Chromium, slider: &str, text: &str) {
     browser.evaluate(&format!(
         "(() => {{ const i = document.querySelector('#{slider}').parentElement.querySelector('[type=text]'); i.value = '{text}'; i.dispatchEvent(new Event('change')); }})()"
     ));
-    browser.evaluate(SETTLED);
+    browser.evaluate(BALANCED);
 }
 
 /// Text at a slider.
@@ -254,6 +252,7 @@ fn browser_explores_by_numbers_steps_and_links() {
 
         // A number as it is typed, in the slider's unit; the state as a file of the reader's.
         type_at(browser, "gear-backlash_m", "12,5");
+        browser.evaluate(SETTLED);
         let moved = browser.text(FIGURES);
         assert_ne!(moved, begun);
         browser.evaluate("window.files = []; URL.createObjectURL = (blob) => { files.push(blob); return '#'; }; HTMLAnchorElement.prototype.click = () => {}; 0");
@@ -272,7 +271,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         };
         let mut stepped = |script: &str, wanted: [&str; 2]| {
             browser.evaluate(script);
-            browser.evaluate(SETTLED);
+            browser.evaluate(BALANCED);
             let now =
                 ["gear-backlash_m", "drive-input_speed_rad_s"].map(|slider| typed(browser, slider));
             assert_eq!(now, wanted, "{script}");
@@ -283,6 +282,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         stepped(&key(true), ["12.5", "1500"]);
         stepped("history.forward()", ["12.5", "3000"]);
         stepped("document.querySelector('#undo').click()", ["12.5", "1500"]);
+        browser.evaluate(SETTLED);
         assert_eq!(browser.text(FIGURES), moved);
 
         // What cannot be says so in the slider's words and unit, and so does what is no number.
@@ -330,7 +330,7 @@ fn browser_says_what_is_still_computed() {
         // Balances late enough on any machine, with a record of all that the table shows meanwhile.
         browser.evaluate(
             "const ask = window.fetch; window.fetch = async (path, ...how) => { \
-             if (String(path).includes('balances')) await new Promise((r) => setTimeout(r, 1000)); \
+             if (String(path).includes('balances')) await new Promise((r) => setTimeout(r, 200)); \
              const answer = await ask(path, ...how); \
              return String(path).includes('run?') ? new Response(JSON.stringify({ ...await answer.json(), balanced: null })) : answer; }; \
              window.shown = []; new MutationObserver(() => { const cell = document.querySelectorAll('#figures td')[1]; \

@@ -15,7 +15,9 @@ mod interact;
 mod motion;
 mod studies;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use access::ACCESS;
 use chromium::{Chromium, DESK, Look, PHONE, browse};
@@ -68,7 +70,7 @@ const LOOK_AT: &str = r#"(async () => {
     return curve ? hits < 20 : colours.size < 5;
   }).map((canvas) => canvas.closest('figure, section, .panel')?.textContent.trim().slice(0, 60) || canvas.outerHTML);
   const waits = () => [...document.querySelectorAll('[data-chart]')].filter((h) => !h.querySelector('.uplot')).length;
-  for (let k = 0; k < 30 && (waits() || blanks().length); k += 1) await rest(80);
+  for (let k = 0; k < (window.patience ?? 30) && (waits() || blanks().length); k += 1) await rest(80);
   const blank = blanks();
   const room = document.documentElement.clientWidth;
   const wide = [...document.querySelectorAll('main *, header *, footer *')].filter((e) => {
@@ -191,7 +193,7 @@ fn browser_sees_what_is_wrong() {
             &page,
             "<!doctype html><title>x</title><body style='background:#fff'><main><canvas width=40 height=40></canvas>\
              <div style='width:3000px'>wide</div><p style='color:#e08a00'>pale</p><button></button></main><header></header>\
-             <script>absent()</script>",
+             <script>patience = 2; absent()</script>",
         )
         .unwrap();
         let look = Look { dark: true, ..DESK };
@@ -240,27 +242,29 @@ fn browser_misses_curves_that_are_not_drawn() {
     });
 }
 
-/// Writes the page of a short comparison.
-fn comparison(dir: &Path) -> PathBuf {
-    let args = "compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.02 --out r";
-    let done = run_in(dir, words(args));
+/// Page of a short comparison, written once.
+static COMPARISON: LazyLock<PathBuf> = LazyLock::new(|| {
+    let args = "compare paper --engines native-reduced,native-lagrange --set solver.duration_s=0.02 --force --out";
+    let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("comparison");
+    let done = run_in(
+        Path::new("."),
+        words(args).iter().map(OsStr::new).chain([dir.as_os_str()]),
+    );
     assert_eq!(done.code, Some(0), "{done:?}");
-    dir.join("r/index.html")
-}
+    dir.join("index.html")
+});
 
 #[test]
 fn browser_shows_the_comparison() {
-    browse(|browser, dir| {
-        let page = comparison(dir);
-        flawless(browser, &page, [2, 1, 4]);
-        assert!(std::fs::metadata(&page).unwrap().len() < 2_000_000);
+    browse(|browser, _| {
+        flawless(browser, &COMPARISON, [2, 1, 4]);
+        assert!(std::fs::metadata(&*COMPARISON).unwrap().len() < 2_000_000);
     });
 }
 
 #[test]
 fn browser_does_what_is_asked() {
-    browse(|browser, dir| {
-        let page = comparison(dir);
+    browse(|browser, _| {
         for question in [
             interact::charts_answer,
             interact::charts_are_saved,
@@ -271,7 +275,7 @@ fn browser_does_what_is_asked() {
             interact::paper_is_spared,
             interact::old_browsers_read_it,
         ] {
-            question(browser, &page);
+            question(browser, &COMPARISON);
         }
     });
 }
@@ -302,8 +306,8 @@ fn browser_questions_see_broken_pages() {
     ];
     for (what, sound, fault, question) in faults {
         browse(|browser, dir| {
-            let page = comparison(dir);
-            let text = std::fs::read_to_string(&page).unwrap();
+            let page = dir.join("index.html");
+            let text = std::fs::read_to_string(&*COMPARISON).unwrap();
             assert!(text.contains(sound), "{what}: {sound} is not in the page");
             std::fs::write(&page, text.replace(sound, fault)).unwrap();
             let asked = std::panic::AssertUnwindSafe(|| question(browser, &page));
@@ -340,15 +344,14 @@ fn pictures_of_the_documents() {
 
 #[test]
 fn browser_moves_the_gearbox() {
-    browse(|browser, dir| {
-        let page = comparison(dir);
+    browse(|browser, _| {
         for question in [
             motion::moves,
             motion::frames_cost_little,
             motion::nothing_is_drawn_unseen,
             motion::late_frames_cost_sharpness,
         ] {
-            question(browser, &page);
+            question(browser, &COMPARISON);
         }
     });
 }

@@ -166,7 +166,7 @@ fn browser_shows_a_run() {
 #[test]
 fn browser_shows_a_design() {
     browse(|browser, dir| {
-        let typed = "design paper-friction --set solver.duration_s=0.02";
+        let typed = "design paper-friction --set solver.duration_s=0.001";
         flawless(browser, &page(dir, typed), [7, 1, 5]);
         // Names in backticks are code, in the lead too.
         let lead = browser.text("document.querySelector('.lead').innerHTML");

@@ -69,15 +69,22 @@ fn bad_input_is_an_annotation_on_github() {
         "{said}"
     );
     // A verdict is one sentence, not the table that it decides.
-    let mut command = pinwheel();
-    command.args(words("design paper --statics --set limits.pressure_pa=1e6"));
-    command.current_dir(dir.path());
-    let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(
-        said.contains("::error::bears its load: no: ") && !said.contains("%0A"),
-        "{said}"
-    );
+    for (typed, verdict) in [
+        (
+            "design paper --statics --set limits.pressure_pa=1e6",
+            "::error::bears its load: no: ",
+        ),
+        (
+            "compare paper --engines reduced --set solver.duration_s=0.002",
+            "::warning::Not confirmed: ",
+        ),
+    ] {
+        let mut command = pinwheel();
+        command.args(words(typed)).current_dir(dir.path());
+        let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(verdict) && !said.contains("%0A"), "{said}");
+    }
 }
 
 #[test]

@@ -84,7 +84,7 @@ impl Bar {
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::new(PARTS);
             if let Ok(style) =
-                ProgressStyle::with_template("{prefix} [{bar:12}] {elapsed}: {wide_msg}")
+                ProgressStyle::with_template("{prefix} [{bar:8}] {elapsed_precise}: {wide_msg}")
             {
                 bar.set_style(style.progress_chars("=> "));
             }

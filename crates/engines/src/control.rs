@@ -64,7 +64,7 @@ impl<'a> Progress<'a> {
 
 /// Formats seconds, minutes or hours.
 fn span(time_s: f64) -> String {
-    if time_s < 90.0 {
+    if time_s < 120.0 {
         format!("{time_s:.0} s")
     } else if time_s < 5400.0 {
         format!("{:.0} min", time_s / 60.0)

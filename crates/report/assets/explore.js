@@ -378,7 +378,7 @@ document.addEventListener('DOMContentLoaded', () => {
         if (!$('said').querySelector('a')) $('said').replaceChildren('Compared: ', link, ` (${told.place})`);
       } else if (told.compares) say(told.compares);
     } catch (error) { gone(error); }
-    return setTimeout(watch, 1000);
+    return setTimeout(watch, 500);
   }
 
   const host = document.querySelector('.gearboxes');

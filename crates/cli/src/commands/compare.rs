@@ -71,6 +71,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         text.push('\n');
         text.push_str(&pages::comparison::details(&found));
     }
+    screen::answer(pages::comparison::verdict(&found));
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
         let suites = junit::of_comparison(&found.comparison);

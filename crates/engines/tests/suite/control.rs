@@ -13,8 +13,8 @@ fn pieces_are_counted_and_fit() {
     };
     let line = run(Some(12.0)).sentence();
     assert_eq!(line, "7 of 12, rapier-own-contact-colliders, 12 s left");
-    // The line follows `stability [============] 99m: `.
-    assert!(line.len() + 28 <= 80);
+    // The line follows `stability [========] 00:59:59: `.
+    assert!(line.len() + 31 <= 80);
     assert!(run(Some(6100.0)).sentence().ends_with(", 1.7 h left"));
     // One run of many pieces says nothing of the others.
     assert!(run(None).sentence().ends_with("colliders"));

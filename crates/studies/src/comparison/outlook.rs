@@ -1,19 +1,18 @@
 //! Remaining time of engines that share some threads, by what is known of each: its usual cost, then its own reports.
 //!
 //! ```text
-//!  usual cost x pace of those that reported ──> remaining time of each, with a standard deviation ──> of all, if within a third
-//!  ──> if it did not move by more than a third of itself since half of the time
+//!  usual cost x pace of those that reported ──> remaining time of all, if those without a report have little of it
+//!  ──> if its end did not move by more than a third of it since half of the time, and is not near
 //! ```
 
-/// Relative standard deviation of a duration by the usual cost of an engine. Measured on three presets: 0.35 of its logarithm;
-/// on a gear of `init` an engine took a tenfold.
-const USUAL: f64 = 0.7;
-/// Relative standard deviation of a reported remaining time.
-const REPORTED: f64 = 0.2;
-/// Largest relative standard deviation of a remaining time that is shown.
-const SHOWN: f64 = 1.0 / 3.0;
+/// Largest share of engines without a report in a remaining time that is shown: by their usual costs they were off by a factor of 3.
+const UNREPORTED: f64 = 0.3;
+/// Least remaining time over the elapsed one that is shown. Differences, which follow the engines, took up to 0.07 of it.
+const NEAR: f64 = 0.2;
+/// Largest change of an end that is shown, over the remaining time.
+const MOVED: f64 = 1.0 / 3.0;
 /// Share of the time from which on an end must have been foretold.
-const SINCE: f64 = 0.65;
+const SINCE: f64 = 0.8;
 
 /// Ends that were foretold, as times of the statement and of the end, s.
 #[derive(Debug, Default)]
@@ -28,7 +27,7 @@ impl Foretold {
         let ends = || self.0.iter().map(|[_, end_s]| *end_s);
         let moved = ends().fold(0.0, f64::max) - ends().fold(f64::INFINITY, f64::min);
         let since_s = self.0[0][0];
-        (since_s <= SINCE * now_s && moved <= SHOWN * left).then_some(left)
+        (since_s <= SINCE * now_s && moved <= MOVED * left).then_some(left)
     }
 }
 
@@ -61,46 +60,25 @@ impl Outlook {
     }
 }
 
-/// Returns the remaining time of all on `jobs` threads at `now_s`; `None` where it cannot be known to about a third.
+/// Returns the remaining time of all on `jobs` threads at `now_s`; `None` where it is not known to within a factor of 1.5.
 pub fn left_s(all: &[Outlook], jobs: usize, now_s: f64) -> Option<f64> {
-    let known = all.iter().filter_map(|one| Some((one.total_s()?, one)));
-    let [mut took_s, mut usual_s, mut squares] = [0.0; 3];
-    for (total_s, one) in known {
-        took_s += total_s;
-        usual_s += one.usual_s;
-        squares += one.usual_s * one.usual_s;
-    }
-    // Without any report the speed of the machine is unknown as well.
-    let (pace, doubt) = match usual_s > 0.0 {
-        true => (took_s / usual_s, USUAL * squares.sqrt() / usual_s),
-        false => (1.0, 2.0 * USUAL),
-    };
-    let (mut sum, mut square, mut common, mut longest) = (0.0, 0.0, 0.0, [0.0_f64; 2]);
+    let known = all
+        .iter()
+        .filter_map(|one| Some((one.total_s()?, one.usual_s)));
+    let (took_s, usual_s) = known.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+    let pace = if usual_s > 0.0 { took_s / usual_s } else { 1.0 };
+    let [mut sum, mut unreported, mut longest] = [0.0_f64; 3];
     for one in all.iter().filter(|one| one.ended_s.is_none()) {
-        let (left, own, shared) = match one.reported_s {
-            Some([at_s, left_s]) => {
-                let left = (at_s + left_s - now_s).max(0.0);
-                (left, REPORTED * left, 0.0)
-            }
+        let left = match one.reported_s {
+            Some([at_s, left_s]) => (at_s + left_s - now_s).max(0.0),
             None => {
-                let total = pace * one.usual_s;
-                let since = one.begun_s.map_or(0.0, |begun_s| now_s - begun_s);
-                let left = (total - since).max(total / 4.0);
-                (left, USUAL * total, doubt * left)
+                unreported += pace * one.usual_s;
+                pace * one.usual_s
             }
         };
         sum += left;
-        square += own * own;
-        common += shared;
-        if left > longest[0] {
-            longest = [left, own.hypot(shared)];
-        }
+        longest = longest.max(left);
     }
-    let shared = [sum, square.sqrt().hypot(common)].map(|time| time / jobs as f64);
-    let [left, off] = if longest[0] > shared[0] {
-        longest
-    } else {
-        shared
-    };
-    (left > 0.0 && off <= SHOWN * left).then_some(left)
+    let left = longest.max(sum / jobs as f64);
+    (left > NEAR * now_s && unreported <= UNREPORTED * left).then_some(left)
 }

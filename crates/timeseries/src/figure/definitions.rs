@@ -52,7 +52,7 @@ definitions! { OF_DESIGNS, DIGITS;
     PROJECTED_SLIDING = "sleeve_pressure_sliding_mpa_m_s", "pressure times sliding of a sleeve", "MPa m/s",
         "F v/(d L) of the sleeve on its pin, or of the disc on a pin that does not turn: both are the same";
     WALL = "wall_mm", "thinnest wall of a disc", "mm", "between holes, or from one to edge or bore";
-    WALL_SHEAR = "wall_shear_mpa", "shear of that wall", "MPa",
+    WALL_SHEAR = "wall_shear_mpa", "shear of the thinnest wall", "MPa",
         "F/(2 t b): a pin that presses on a wall of t tears it out along two planes";
 
     BEARING_LOSS = "eccentric_bearing_loss_percent", "eccentric bearings, friction loss", "%",

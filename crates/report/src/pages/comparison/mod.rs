@@ -20,7 +20,7 @@ use pinwheel_timeseries::table::Table;
 
 use answer::Answer;
 use common::Page;
-pub use text::{details, text};
+pub use text::{details, text, verdict};
 
 use crate::pages::{animation, band, time_series};
 

@@ -113,6 +113,12 @@ pub fn details(found: &Outcome) -> String {
     text + &terminal::paragraphs(told.chain(twins))
 }
 
+/// Returns the verdict in a sentence.
+pub fn verdict(found: &Outcome) -> String {
+    let (_, word, why) = Answer::new(found, share).judged();
+    format!("{word}: {why}")
+}
+
 /// Formats a share for a terminal.
 fn share(value: f64) -> String {
     match value.abs() >= 1e-3 {
