@@ -172,16 +172,14 @@ impl Basis {
         };
         let is_held = self.process.holds_pins();
         let who = if is_held { "output pins" } else { "pins" };
-        let (mu, young) = (
-            self.friction_coefficient.unwrap_or(usual),
-            self.pin_young_pa,
-        );
+        let mu = self.friction_coefficient.unwrap_or(usual);
+        let given = self.friction_coefficient.map_or("", |_| "as given; ");
         let inertia = |diameter: f64| PI / 64.0 * diameter.powi(4);
         let mut text = format!(
             "bearings.eccentric.clearance_m = {} # radial: half of ISO 5753-1, cylindrical rollers\n\
              bearings.eccentric.friction_coefficient = 0.0025 # needles with a cage have 0.002 to 0.003 (JTEKT)\n\
              bearings.eccentric.bore_m = {} # inner raceway\n\
-             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
+             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; {given}plain bearings have {state} (JTEKT)\n",
             m(bearing.usual_m),
             m(raceway),
         );
@@ -208,7 +206,7 @@ impl Basis {
             let approach = (force_n / stiffness).powf(1.0 / exponent);
             let span = (gear.wheels as f64 * PITCH + 1.0) * face;
             let shaft = raceway - 2.0 * gear.eccentricity_m;
-            let bending = span.powi(3) / (48.0 * young * inertia(shaft));
+            let bending = span.powi(3) / (48.0 * self.pin_young_pa * inertia(shaft));
             let supports = 1.0 / (approach / force_n + bending);
             return text
                 + &format!(
@@ -224,7 +222,7 @@ impl Basis {
         let pin = rounded_down(2.0 * CORE * gear.internal_sleeve_radius_m);
         let cube = |disc: usize| ((disc as f64 + 0.5) * PITCH * face).powi(3);
         let cubes: f64 = (0..gear.wheels).map(cube).sum();
-        let bending = 3.0 * young * inertia(pin) * gear.wheels as f64 / cubes;
+        let bending = 3.0 * self.pin_young_pa * inertia(pin) * gear.wheels as f64 / cubes;
         text + &format!(
             "gear.hole_radius_m = {} # pin + e + {:.1} um: {fit}\n\
              bearings.eccentric.rollers = {rollers} # needles in a disc's bore\n\
