@@ -36,7 +36,8 @@ pub struct Poses {
 
 /// Least number of poses of a part: its mean then excludes no visible harmonic of the mesh.
 const LEAST_PART: usize = 9;
-/// Least number of poses from which forces are within 1e-4 of those of all poses, transmission errors within 1 %.
+/// Least number of poses of a sweep: over 50 random gears forces are within 0.3 % of those of all poses, transmission errors
+/// within 6 %.
 const LEAST_RESOLVING: usize = 48;
 
 /// Returns at least `least` equidistant angles over a period, in equal interleaved parts, and the number of parts. Every
