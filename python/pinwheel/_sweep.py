@@ -303,10 +303,11 @@ def sweep(
     _check_words(keys)
     with ExitStack() as stack:
         axes = [together] if isinstance(together, Mapping) else list(together)
-        if isinstance(source, Scene) or vary is not None or sample is not None or axes:
+        preset = not isinstance(source, Scene) and not os.fspath(source).endswith(".toml")
+        if isinstance(source, Scene) or preset or vary is not None or sample is not None or axes:
             scene = source if isinstance(source, Scene) else Scene(source)
             if not vary and not sample and not axes:
-                raise InputError("nothing varies; give vary={...}, together={...} or sample={...}, or a sweep file")
+                raise InputError('nothing varies; give vary={"backlash_m": [0, 1e-5]}, together, sample, or a sweep file')
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="pinwheel-"))
             scene = scene.with_(**keys) if keys else scene
             top = {"measure": measure, "window_s": window_s, "courses": time_series}

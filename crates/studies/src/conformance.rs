@@ -414,7 +414,7 @@ impl Trials<'_> {
             let all = job["bodies"].as_array_mut().into_iter().flatten();
             all.zip(&bodies)
                 .for_each(|(body, (_, _, start, ..))| body["start"] = json!(start));
-            job.to_string()
+            format!("{job:#}")
         };
         let run = self.solver.run_job(&gearbox, job, &self.control)?;
         let row = run.whole().or_else(failed)?.time_series.select(&[0]);
@@ -462,7 +462,10 @@ impl Trials<'_> {
                 Err(Miss::Ended(State::Failed, why))
                     if !(trial.may_refuse && why.contains(CANNOT)) =>
                 {
-                    off.push(format!("{name}: {why}"));
+                    off.push(match set.join(" ") {
+                        set if set.is_empty() => format!("{name}: {why}"),
+                        set => format!("{name} ({set}): {why}"),
+                    });
                 }
                 Err(Miss::Ended(_, why)) => not.push(format!("{name}: {why}")),
                 Err(error) => return Err(error),

@@ -85,6 +85,9 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
     sum
 }
 
+/// Beginnings of the lines that a language's runtime writes after the reason of an end, as gfortran does.
+const BACKTRACE: [&str; 3] = ["#", "at /", "Error termination. Backtrace"];
+
 /// Collected output of a solver.
 #[derive(Default)]
 pub struct SolverLog {
@@ -94,7 +97,7 @@ pub struct SolverLog {
     /// Time that the solver reported, s.
     pub reached_s: Option<f64>,
     pub notes: Vec<String>,
-    /// Last line that is neither a progress line nor empty.
+    /// Last line that is neither a progress line, empty, nor of a backtrace.
     last: Vec<u8>,
 }
 
@@ -130,7 +133,7 @@ impl SolverLog {
             if self.notes.len() < NOTES {
                 self.notes.push(plain(note, WORDS));
             }
-        } else if !text.is_empty() {
+        } else if !text.is_empty() && !BACKTRACE.iter().any(|start| text.starts_with(start)) {
             self.last = line;
         }
     }
