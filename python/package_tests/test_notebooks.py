@@ -16,7 +16,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 # Statements of a notebook's text about its outputs.
 SAYS = {
     "1-first-gear": ["peak 100.4 ± 0.3 N", "0.6 mm largest force 154.1 ± 0.4 N", "247."],
-    "3-own-solver": ["'differ'"],
+    "3-own-solver": ["equations, likely load: load times 0.900000"],
     "4-sweep-on-a-cluster": ["True", "% from the peaks"],
     "5-measurement-to-statement": ["steady input_torque_n_m mean agree", "transient input_torque_n_m rms differ"],
 }

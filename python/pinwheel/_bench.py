@@ -43,6 +43,9 @@ class Bench(Paged):
     def __str__(self) -> str:
         return self._text
 
+    def __repr__(self) -> str:
+        return f"<Bench: {len(self.rows)} runs>"
+
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(str(self))}</pre>"
 

@@ -111,6 +111,9 @@ class Columns(Mapping["Column", Floats]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
+    def __repr__(self) -> str:
+        return f"<{len(self.names)} columns of {self.time_s.size} samples>"
+
     @classmethod
     def read_csv(cls, path: str | os.PathLike[str]) -> Columns:
         """Columns of a file that `to_csv` or the program wrote."""

@@ -293,6 +293,16 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         "{}",
         more.stdout
     );
+    // One that runs away on a scene is recorded on the others.
+    commit(folder.path(), "away");
+    let away = ran("baseline record other --only paper,one-wheel");
+    let said = "not recorded by faulty: one-wheel: diverged at t =";
+    assert!(
+        away.code == Some(4) && away.stdout.contains(said),
+        "{}{}",
+        away.stdout,
+        away.stderr
+    );
     let text = std::fs::read_to_string(folder.path().join("b/mine/baseline.toml")).expect("there");
     let scenes: Vec<&str> = text
         .lines()

@@ -48,15 +48,12 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
 
 /// Returns what an engine of this build still needs on this machine, with the command that installs it; `None` if it runs now.
 pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
-    #[cfg(feature = "crossval")]
-    let no_law = || crate::external::law_library().err();
     match info.family() {
         #[cfg(feature = "crossval")]
         "mujoco" | "exudyn" => crate::python::ENGINES.needs(),
         #[cfg(feature = "crossval")]
-        "ida" => crate::solvers::IDA.needs().or_else(no_law),
-        #[cfg(feature = "crossval")]
-        "simbody" => crate::solvers::simbody_needs().or_else(no_law),
+        _ => crate::solvers::needs(info),
+        #[cfg(not(feature = "crossval"))]
         _ => None,
     }
 }

@@ -450,7 +450,11 @@ impl Trials<'_> {
         scenes: &[Held],
         hold: &dyn Fn(&str, &CheckedScene) -> Result<f64, Miss>,
     ) -> Seen {
-        let (mut worst, mut off, mut not) = (NATIVE, Vec::new(), Vec::new());
+        let (least, truth) = match trial.name.as_str() {
+            "law vectors" => (FIRST, "the vectors"),
+            _ => (NATIVE, "native-resolved"),
+        };
+        let (mut worst, mut off, mut not) = (least, Vec::new(), Vec::new());
         for Held { name, preset, set } in scenes {
             let scene = self.scene(preset.as_deref().unwrap_or("paper"), set)?;
             if let Err(Halt::Ended(ending)) = self.solver.supports(&scene) {
@@ -475,7 +479,7 @@ impl Trials<'_> {
         let held = scenes.len() - off.len() - not.len();
         let mut seen = format!("{held} of {} {what}", scenes.len());
         if self.shares_the_law() {
-            seen.push_str(&format!(" to {worst:.0e} with native-resolved"));
+            seen.push_str(&format!(" to {worst:.0e} with {truth}"));
         }
         if !not.is_empty() {
             seen.push_str(&format!("; not held: {}", not.join("; ")));

@@ -3,7 +3,7 @@
  *
  *     solver JOB FAULT
  *
- * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step, search, sum, driver, order, exponent. Plane vectors are complex numbers. */
+ * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step, search, sum, driver, order, exponent, away (with one disc). Plane vectors are complex numbers. */
 #include "pinwheel_law.h"
 
 #include <complex.h>
@@ -196,6 +196,8 @@ int main(int argc, char **argv)
         if (on == 1)
             fprintf(file, ",internal_sleeve_force_n_%d", inner++);
     }
+    if (has("away") && wheels == 1)
+        give_up(3, "it ran away");
     for (k = 0; k < wheels; k++)
         fprintf(file, ",wheel_angle_rad_%d", k);
     fprintf(file, ",output_rate_rad_s");

@@ -23,7 +23,7 @@ static FILES: [(&str, &str); 2] = [
 ];
 
 /// Packages that the solver needs.
-pub(crate) const REQUIREMENTS: Requirements = Requirements {
+pub(super) const REQUIREMENTS: Requirements = Requirements {
     name: "ida",
     file: "solvers/ida/requirements.txt",
     only_listed: false,

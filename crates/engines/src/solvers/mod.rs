@@ -8,6 +8,4 @@ mod ready;
 mod shipped;
 mod simbody;
 
-pub(crate) use ida::REQUIREMENTS as IDA;
-pub(crate) use shipped::engine;
-pub(crate) use simbody::needs as simbody_needs;
+pub(crate) use shipped::{engine, needs};

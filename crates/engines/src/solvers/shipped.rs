@@ -16,6 +16,8 @@ use crate::known::solvers as facts;
 struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
+    /// Returns what is missing on this machine, with the command that installs it.
+    needs: fn() -> Option<String>,
     /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
     made: Memo<Ready>,
@@ -23,26 +25,38 @@ struct Shipped {
     manifests: [&'static str; 2],
 }
 
-static SIMBODY: Shipped = Shipped {
-    info: &facts::SIMBODY,
-    version: simbody::version,
-    make: simbody::ready,
-    made: Memo::empty(),
-    manifests: simbody::MANIFESTS,
-};
+static SHIPPED: [Shipped; 2] = [
+    Shipped {
+        info: &facts::SIMBODY,
+        version: simbody::version,
+        needs: simbody::needs,
+        make: simbody::ready,
+        made: Memo::empty(),
+        manifests: simbody::MANIFESTS,
+    },
+    Shipped {
+        info: &facts::IDA,
+        version: ida::version,
+        needs: || ida::REQUIREMENTS.needs(),
+        make: ida::ready,
+        made: Memo::empty(),
+        manifests: [ida::MANIFEST; 2],
+    },
+];
 
-static IDA: Shipped = Shipped {
-    info: &facts::IDA,
-    version: ida::version,
-    make: ida::ready,
-    made: Memo::empty(),
-    manifests: [ida::MANIFEST; 2],
-};
+fn shipped(info: &EngineInfo<'_>) -> Option<&'static Shipped> {
+    SHIPPED.iter().find(|own| own.info == info)
+}
 
 /// Returns a shipped solver; `None` if the facts belong to another engine.
 pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
-    let shipped = [&SIMBODY, &IDA].into_iter().find(|own| own.info == info)?;
-    Some(Box::new(shipped))
+    Some(Box::new(shipped(info)?))
+}
+
+/// Returns what a shipped solver still needs on this machine; `None` if it runs now.
+pub(crate) fn needs(info: &EngineInfo<'_>) -> Option<String> {
+    let no_law = || law_library().err();
+    (shipped(info)?.needs)().or_else(no_law)
 }
 
 impl Shipped {

@@ -86,7 +86,7 @@ pub(super) fn version() -> String {
 }
 
 /// Says what is missing, and how it is installed.
-pub(crate) fn needs() -> Option<String> {
+pub(super) fn needs() -> Option<String> {
     let missing = || format!("Simbody is not installed; install it ({REMEDY})");
     installed().is_none().then(missing)
 }

@@ -181,25 +181,30 @@ fn scene(
         let result = results.next();
         result.unwrap_or_else(|| Err(Ending::failed("the run is missing")))
     };
-    let finished = |choice: &str, result: RunResult| {
-        let broken = |ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
-        result.map_err(broken)
-    };
-    let fine = finished("converged", next())?;
-    let coarse = finished("converged", next())?;
+    let broken =
+        |choice: &str, ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
+    let mut truth = || next().map_err(|ending| broken("converged", ending));
+    let (fine, coarse) = (truth()?, truth()?);
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
     for way in ways {
         let plain = next();
         let others: Vec<RunResult> = roundings(&way.job).iter().map(|_| next()).collect();
-        if let Err(Ending::Unsupported { reason }) = plain {
-            left_out.push(LeftOut::new(case, way, reason));
-            continue;
-        }
-        let plain = finished(way.name, plain)?;
-        let varied = others.into_iter().map(|run| finished(way.name, run));
-        let varied = varied.collect::<Result<Vec<_>, _>>()?;
+        let others: Result<Vec<_>, _> = others.into_iter().collect();
+        let (plain, varied) = match plain.and_then(|plain| Ok((plain, others?))) {
+            Ok(runs) => runs,
+            Err(Ending::Unsupported { reason }) => {
+                left_out.push(LeftOut::new(case, way, reason));
+                continue;
+            }
+            // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
+            Err(ending @ Ending::Diverged { .. }) if way.job.solver.is_some() => {
+                left_out.push(LeftOut::new(case, way, ending.to_string()));
+                continue;
+            }
+            Err(ending) => return Err(broken(way.name, ending)),
+        };
         // Relative difference of two runs in right-hand sides.
         let count = plain.costs.right_hand_sides;
         let spread = |run: &Finished| {

@@ -203,7 +203,7 @@ impl Page<'_> {
             ("P", |m| m.sprague_geers.map(|e| e.phase)),
             ("C", |m| m.sprague_geers_c),
         ];
-        const RATIOS: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
+        const RATIOS: &[(&str, fn(&PairMetrics) -> Option<f64>)] = &[
             ("mean a/b", |m| m.mean_ratio),
             ("peak a/b", |m| m.peak_ratio),
             ("rms a/b", |m| m.rms_ratio),
@@ -211,10 +211,7 @@ impl Page<'_> {
         let mut table = Table::of(format!("All metrics of {name}"), entries)
             .text("", "Quantity", |entry| self.quantity(&entry.quantity))
             .text("", "Window", |entry| entry.window.word());
-        for (list, shown) in [
-            (&RELATIVE[..], Shown::Relative),
-            (&RATIOS[..], Shown::Digits(6)),
-        ] {
+        for (list, shown) in [(&RELATIVE[..], Shown::Relative), (RATIOS, Shown::Digits(6))] {
             for (label, of) in list {
                 table = table
                     .number("", label, |entry| entry.metrics.as_ref().and_then(of))
