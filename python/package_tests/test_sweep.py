@@ -108,6 +108,8 @@ def test_bad_input(program, sweep_file, tmp_path):
     assert caught.value.key == "gear.wheels" and "--" not in str(caught.value)
     with pytest.raises(pinwheel.InputError, match="varies over one value"):
         pinwheel.sweep("paper", vary={"wheels": 1})
+    with pytest.raises(pinwheel.InputError, match="give vary="):
+        pinwheel.sweep("paper", backlash_m=[0, 1e-5])
     (tmp_path / "c").mkdir()
     (tmp_path / "c/notes.txt").write_text("precious")
     with pytest.raises(OSError, match="another `out`"):
