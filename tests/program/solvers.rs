@@ -303,6 +303,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         away.stdout,
         away.stderr
     );
+    commit(folder.path(), "none");
     let text = std::fs::read_to_string(folder.path().join("b/mine/baseline.toml")).expect("there");
     let scenes: Vec<&str> = text
         .lines()
