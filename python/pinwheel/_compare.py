@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import os
 import warnings
@@ -137,14 +136,11 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {'; '.join(self.findings)}; {told}>"
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{word}</th>" for word in ("a", "b", "window", "quantity", "verdict", "D", "U"))
         rows = []
         for v in self.verdicts:
             numbers = ("" if x is None else f"{x:.2g}" for x in (v.distance, v.uncertainty))
-            cells = (v.a, v.b, v.window, v.quantity, v.verdict.replace("-", " "), *numbers)
-            text = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
-            rows.append(f'<tr title="{html.escape(v.reason)}">{text}</tr>')
-        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+            rows.append((v.reason, (v.a, v.b, v.window, v.quantity, v.verdict.replace("-", " "), *numbers)))
+        return self._table(("a", "b", "window", "quantity", "verdict", "D", "U"), rows)
 
 
 def _verdict(pair: dict[str, Any], entry: dict[str, Any]) -> Verdict:

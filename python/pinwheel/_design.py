@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -220,13 +219,8 @@ class Design(Paged, Mapping[str, Figure]):
         return f"<Design of {self.scene['name']}: {len(self)} figures>"
 
     def _repr_html_(self) -> str:
-        rows = []
-        for figure in self.values():
-            cells = (figure.what, figure.shown, figure.unit, figure.bounds)
-            text = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
-            rows.append(f'<tr title="{html.escape(figure.how)}">{text}</tr>')
-        head = "".join(f"<th>{word}</th>" for word in ("", "value", "unit", "known to"))
-        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+        rows = ((figure.how, (figure.what, figure.shown, figure.unit, figure.bounds)) for figure in self.values())
+        return self._table(("", "value", "unit", "known to"), rows)
 
 
 def _figure(found: dict[str, Any], shown: str, bounds: str) -> Figure:

@@ -8,7 +8,7 @@ import re
 import tempfile
 import textwrap
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +100,14 @@ class Paged:
     def frame(self, height: int = 900) -> Frame:
         """The page for a notebook's cell, on a hub too; `height` in px."""
         return Frame(self.page(), height)
+
+    def _table(self, head: Iterable[str], rows: Iterable[tuple[str, Iterable[str]]]) -> str:
+        """Words and a table for a notebook's cell; a row has a note, which a pointer shows, and its cells."""
+        lines = "".join(f"<th>{html.escape(word)}</th>" for word in head)
+        for note, cells in rows:
+            line = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
+            lines += f'</tr><tr title="{html.escape(note)}">{line}'
+        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{lines}</tr></table>"
 
     def __getstate__(self) -> dict[str, Any]:
         # A sweep's page is a file of its folder.

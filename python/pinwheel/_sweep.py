@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import difflib
 import hashlib
-import html
 import inspect
 import json
 import os
@@ -185,13 +184,11 @@ class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
         moves = any(name.startswith("peak_") for name in figures)  # balances have statistics over the mesh
         chosen = [name for name in figures if name.startswith(("mean_", "peak_")) or not moves]
         names += [name for name in chosen if self[name].dtype.kind == "f"][:6]
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         rows = []
         for row in range(min(self["run"].size, 20)):
             cells = (self[name][row] for name in names)
-            texts = (f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in cells)
-            rows.append("<tr>" + "".join(f"<td>{html.escape(text)}</td>" for text in texts) + "</tr>")
-        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+            rows.append(("", [f"{cell:.5g}" if isinstance(cell, float) else str(cell) for cell in cells]))
+        return self._table(names, rows)
 
 
 def _array(values: Sequence[Any]) -> npt.NDArray[Any]:

@@ -466,10 +466,10 @@ impl Trials<'_> {
                 Err(Miss::Ended(State::Failed, why))
                     if !(trial.may_refuse && why.contains(CANNOT)) =>
                 {
-                    off.push(match set.join(" ") {
-                        set if set.is_empty() => format!("{name}: {why}"),
-                        set => format!("{name} ({set}): {why}"),
-                    });
+                    let scene = [std::slice::from_ref(name), set.as_slice()]
+                        .concat()
+                        .join(" ");
+                    off.push(format!("{scene}: {why}"));
                 }
                 Err(Miss::Ended(_, why)) => not.push(format!("{name}: {why}")),
                 Err(error) => return Err(error),

@@ -194,16 +194,16 @@ fn scene(
         let others: Result<Vec<_>, _> = others.into_iter().collect();
         let (plain, varied) = match plain.and_then(|plain| Ok((plain, others?))) {
             Ok(runs) => runs,
-            Err(Ending::Unsupported { reason }) => {
+            Err(ending) => {
+                let reason = match ending {
+                    Ending::Unsupported { reason } => reason,
+                    // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
+                    Ending::Diverged { .. } if way.job.solver.is_some() => ending.to_string(),
+                    _ => return Err(broken(way.name, ending)),
+                };
                 left_out.push(LeftOut::new(case, way, reason));
                 continue;
             }
-            // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
-            Err(ending @ Ending::Diverged { .. }) if way.job.solver.is_some() => {
-                left_out.push(LeftOut::new(case, way, ending.to_string()));
-                continue;
-            }
-            Err(ending) => return Err(broken(way.name, ending)),
         };
         // Relative difference of two runs in right-hand sides.
         let count = plain.costs.right_hand_sides;
