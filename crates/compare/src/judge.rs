@@ -21,6 +21,10 @@ pub(crate) struct Judge<'a> {
     pub(crate) rules: &'a Rules<'a>,
     /// Facts of the scene, with its friction and divergence horizon.
     pub(crate) context: &'a Context,
+    /// Windows of the runs.
+    pub(crate) windows: &'a [Window],
+    /// Quantities of all time series.
+    pub(crate) quantities: &'a [Quantity],
     /// Force (N) and torque (N m) below which a load is rounding.
     pub(crate) negligible: Negligible,
 }
