@@ -78,9 +78,9 @@ fn pair_entry(
         .zip(of_a.time_s().get(samples))
         .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
     let Some(metrics) = metrics else {
+        let name = &quantity.name;
         return unjudged(format!(
-            "`{}` has channels that only one of the two has",
-            quantity.name
+            "`{name}` has channels that only one of the two has"
         ));
     };
     let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {

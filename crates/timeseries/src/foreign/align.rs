@@ -253,10 +253,8 @@ fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f6
 fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, back) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
+    let forward = planner.plan_fft_forward(length);
+    let back = planner.plan_fft_inverse(length);
     let spectrum = |values: &[f64]| {
         let mut input = forward.make_input_vec();
         input[..values.len()].copy_from_slice(values);
