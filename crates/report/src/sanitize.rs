@@ -50,14 +50,11 @@ fn colour(text: &str) -> usize {
     let Some(rest) = text.strip_prefix("\u{1b}[") else {
         return 0;
     };
-    let digits = rest
-        .bytes()
-        .take_while(|byte| byte.is_ascii_digit() || *byte == b';')
-        .count();
-    if rest.as_bytes().get(digits) == Some(&b'm') {
-        digits + 3
-    } else {
-        0
+    let is_parameter = |c: char| c.is_ascii_digit() || c == ';';
+    let end = rest.trim_start_matches(is_parameter);
+    match end.starts_with('m') {
+        true => text.len() - end.len() + 1,
+        false => 0,
     }
 }
 

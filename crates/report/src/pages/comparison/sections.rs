@@ -1,6 +1,6 @@
 //! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
-use crate::format::{self, joined};
+use crate::format::{self, distinct, joined};
 use crate::study::{Block, Section};
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
@@ -315,7 +315,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
 /// Returns the distinct reasons for missing efficiencies.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
-    let reasons = words::distinct(rows.iter().filter_map(of));
+    let reasons = distinct(rows.iter().filter_map(of));
     let said = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
         let whose = match without.clone().count() == rows.len() {
