@@ -23,11 +23,8 @@ pub(crate) struct Folder(folder::Folder);
 impl Folder {
     /// Checks that `out` may be written, before any long run.
     pub(crate) fn prepare(out: &Path, force: bool) -> Result<Self, Failure> {
-        let request = Request {
-            force,
-            ..Request::default()
-        };
-        Self::asked(out, request)
+        let other = Request::default();
+        Self::asked(out, Request { force, ..other })
     }
 
     /// Prepares the requested folder, or `out/NAME`, for the results of `of`. The latter must not replace other results.
@@ -126,11 +123,8 @@ impl Folder {
 pub(crate) fn relative(file: &Path) -> String {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let here = std::env::current_dir().unwrap_or_default();
-    absolute
-        .strip_prefix(here)
-        .unwrap_or(&absolute)
-        .display()
-        .to_string()
+    let inside = absolute.strip_prefix(here).unwrap_or(&absolute);
+    inside.display().to_string()
 }
 
 /// Names the scenes of a study that has default scenes.
@@ -162,11 +156,8 @@ pub(crate) fn name_leftovers(path: &Path) {
     let beside = folders.next();
     // A draft is in a parent folder if the folder did not exist.
     let above = folders.take_while(|folder| folder.starts_with(&here));
-    let mut left: Vec<PathBuf> = beside
-        .into_iter()
-        .chain(above)
-        .flat_map(leftovers)
-        .collect();
+    let folders = beside.into_iter().chain(above);
+    let mut left: Vec<PathBuf> = folders.flat_map(leftovers).collect();
     if let Ok(mut named) = NAMED.lock() {
         left.retain(|path| named.insert(path.clone()));
     }

@@ -139,11 +139,9 @@ impl Instance {
                 "fmi2SetupExperiment: a stop at {stop} s does not follow a start at {start_s} s"
             ));
         }
-        if let Some(tolerance) =
-            tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance < 0.1))
-        {
+        if let Some(wrong) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance < 0.1)) {
             return refused(format!(
-                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance}"
+                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {wrong}"
             ));
         }
         self.prescribed.tolerance = tolerance;
@@ -203,12 +201,9 @@ impl Instance {
 
     fn variable(&self, call: &str, reference: u32) -> Result<(usize, &Variable), Refusal> {
         let place = usize::try_from(reference).unwrap_or(usize::MAX);
-        let found = self.model.variables().get(place);
-        found.map(|v| (place, v)).ok_or_else(|| {
-            Refusal(format!(
-                "{call}: there is no variable of value reference {reference}"
-            ))
-        })
+        let none = || format!("{call}: there is no variable of value reference {reference}");
+        let found = self.model.variables().get(place).ok_or_else(none)?;
+        Ok((place, found))
     }
 
     /// Returns the index of a variable; `boolean`: the required type.
@@ -246,9 +241,8 @@ impl Instance {
             return refused(format!("{call}: {name} is an output, which is computed"));
         }
         if !value.is_finite() {
-            return refused(format!(
-                "{call}: {name} must be a finite number, not {value}"
-            ));
+            let what = format!("{call}: {name} must be a finite number, not {value}");
+            return refused(what);
         }
         if let What::Input(input) = variable.what {
             within(call, name, input, value)?;
@@ -282,10 +276,8 @@ impl Instance {
             ));
         }
         if !value.is_finite() {
-            return refused(format!(
-                "{CALL}: {} must be finite, not {value}",
-                variable.name
-            ));
+            let name = &variable.name;
+            return refused(format!("{CALL}: {name} must be finite, not {value}"));
         }
         self.in_phase(CALL, &[Phase::Initialising, Phase::Stepping])?;
         self.prescribed.slopes[place] = value;
@@ -413,13 +405,11 @@ impl Instance {
     /// Returns a note if a given tolerance has no effect.
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
-        let fixed = self.gear.as_ref().is_some_and(|gear| !gear.adaptive());
-        fixed.then(|| {
-            format!(
-                "the tolerance {tolerance:e} has no effect on the scene's method ({}); solver.integrator = \"auto\" heeds one",
-                self.method()
-            )
-        })
+        self.gear.as_ref().filter(|gear| !gear.adaptive())?;
+        let method = self.method();
+        Some(format!(
+            "the tolerance {tolerance:e} has no effect on the scene's method ({method}); solver.integrator = \"auto\" heeds one"
+        ))
     }
 
     /// Returns the present time, s.
@@ -473,18 +463,22 @@ impl Instance {
 
     /// Reads a saved state, which must be complete and of this model.
     fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
-        let whole = bytes
-            .split_last_chunk::<8>()
-            .filter(|(state, sum)| fnv(state.iter().copied()).to_le_bytes() == **sum);
-        let saved = whole.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
+        let intact =
+            |(state, sum): &(&[u8], &[u8; 8])| fnv(state.iter().copied()).to_le_bytes() == **sum;
+        let state = bytes.split_last_chunk::<8>().filter(intact);
+        let saved = state.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
         let count = self.model.variables().len();
         let of_this = |saved: &Saved| {
-            let lengths = [
-                &saved.prescribed.values,
-                &saved.prescribed.slopes,
-                &saved.prescribed.begun,
-            ];
-            saved.guid == self.model.guid() && lengths.iter().all(|list| list.len() == count)
+            let Prescribed {
+                values,
+                slopes,
+                begun,
+                ..
+            } = &saved.prescribed;
+            let fits = [values, slopes, begun]
+                .iter()
+                .all(|list| list.len() == count);
+            saved.guid == self.model.guid() && fits
         };
         match saved {
             None => refused("the state is damaged"),

@@ -162,10 +162,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
                     cancel.store(true, Ordering::Relaxed);
                 }
             }
-            (
-                Ok(worker.join().unwrap_or_else(|panic| resume_unwind(panic))),
-                raised,
-            )
+            let done = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+            (Ok(done), raised)
         })
     });
     if let Some(error) = raised {
@@ -182,9 +180,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
 
 /// Returns the package's exception for a run that was stopped.
 fn stopped(py: Python<'_>) -> PyErr {
-    let made = py
-        .import("pinwheel_engines.errors")
-        .and_then(|errors| errors.getattr("Cancelled")?.call0());
+    let errors = py.import("pinwheel_engines.errors");
+    let made = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
     made.map_or_else(|broken| broken, PyErr::from_value)
 }
 

@@ -229,7 +229,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     } else if !args.print {
         opened = entrance(&address).ok();
         let started = opened.as_ref().map(|file| open::that_detached(file.path()));
-        if started.is_none_or(|started| started.is_err()) {
+        if !matches!(started, Some(Ok(()))) {
             screen::complain("no browser could be started; open the address yourself");
         }
     }
@@ -252,12 +252,10 @@ fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
         Some(port) => loopback::bind(port),
         None => loopback::bind(PORT).or_else(|_| loopback::bind(0)),
     };
-    listener.map_err(|error| {
-        let port = port.unwrap_or_default();
-        Failure::input(format!(
-            "port {port} cannot be used: {error}; name another with --port"
-        ))
-    })
+    let port = port.unwrap_or_default();
+    let remedy = "name another with --port";
+    listener
+        .map_err(|error| Failure::input(format!("port {port} cannot be used: {error}; {remedy}")))
 }
 
 /// Writes a temporary file with a link to `address` that only the user may read.
@@ -276,9 +274,8 @@ fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
 /// Returns 128 secret random bits.
 fn secret() -> Result<String, Failure> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| {
-        Failure::engine(format!("this system gives no random numbers: {error}"))
-    })?;
+    let none = "this system gives no random numbers";
+    getrandom::fill(&mut bytes).map_err(|error| Failure::engine(format!("{none}: {error}")))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -384,9 +381,8 @@ impl Explorer {
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
             // If the thread has ended, the balances count as late.
-            let _ = self
-                .beside
-                .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
+            let asked = (Arc::clone(&gearbox), Arc::clone(&stop), tells);
+            let _ = self.beside.send(asked);
             hears
         });
         // Unlocked during the run, so that other requests are answered.
@@ -448,7 +444,7 @@ impl Explorer {
         }
     }
 
-    /// The scene's file with what was moved, for the reader to keep.
+    /// Returns the scene's file with what was moved, for the reader to keep.
     fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let name = format!("{}-explored.toml", file_name(&name));
@@ -509,13 +505,12 @@ impl Explorer {
     /// Returns the time of the scene's file and the state of the comparison.
     fn status(&self) -> Value {
         let written = std::fs::metadata(&self.spec).and_then(|file| file.modified());
-        let since = written.map(|time| {
-            time.duration_since(SystemTime::UNIX_EPOCH)
-                .unwrap_or_default()
-        });
+        let since = written
+            .ok()
+            .and_then(|time| time.duration_since(SystemTime::UNIX_EPOCH).ok());
         let compared = locked(&self.compared);
         json!({
-            "stamp": since.map_or(0.0, |since| since.as_secs_f64()),
+            "stamp": since.unwrap_or_default().as_secs_f64(),
             "compares": compared.told,
             "page": compared.page.as_ref().map(|_| "comparison"),
             "place": compared.place,

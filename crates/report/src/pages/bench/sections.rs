@@ -141,10 +141,10 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
     });
     let mut series: Vec<Series> = series.collect();
     let floor = study.reference_errors[window].force_l2;
-    let costs = || series.iter().flat_map(|s| s.x.iter().copied());
+    let costs = series.iter().flat_map(|s| s.x.iter().copied());
     let ends = [
-        costs().fold(f64::INFINITY, f64::min),
-        costs().fold(0.0, f64::max),
+        costs.clone().fold(f64::INFINITY, f64::min),
+        costs.fold(0.0, f64::max),
     ];
     if floor > 0.0 && !series.is_empty() {
         let own = Series::line("reference's own error", ends, [floor; 2]);
