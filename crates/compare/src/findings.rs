@@ -65,11 +65,8 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
             }
             _ => String::new(),
         };
-        let what = format!(
-            "{}, {}, from {other}{by}",
-            label(&entry.quantity),
-            entry.window.word()
-        );
+        let (quantity, window) = (label(&entry.quantity), entry.window.word());
+        let what = format!("{quantity}, {window}, from {other}{by}");
         let status = u8::from(of(Verdict::Differ).any(|(_, entry)| entry.result.actionable));
         return named.differs(vec![entry.quantity.clone()], &what, status);
     }
@@ -99,25 +96,22 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
     let labels: Vec<String> = names.iter().map(|name| label(name)).collect();
     let mut what = labels.join(", ");
     if let Some((_, entry)) = open {
-        what += &format!(
-            "; nothing shown of {}: {}",
-            label(&entry.quantity),
-            reason(&entry.result)
-        );
+        let (quantity, why) = (label(&entry.quantity), reason(&entry.result));
+        what += &format!("; nothing shown of {quantity}: {why}");
     }
     named.agrees(names, bound, &what, if open.is_some() { 4 } else { 0 })
 }
 
 /// Evidence for one limit: it has to be judged at least once.
 fn limit(row: &StatedLimit, entries: &Entries<'_>) -> Finding {
-    let name = format!(
-        "{}, limit {} on {} ({}, {})",
-        row.engine,
-        row.limit,
-        row.quantity,
-        row.window.word(),
-        row.metric.key()
-    );
+    let StatedLimit {
+        engine,
+        quantity,
+        limit,
+        ..
+    } = row;
+    let (window, metric) = (row.window.word(), row.metric.key());
+    let name = format!("{engine}, limit {limit} on {quantity} ({window}, {metric})");
     let named = Named {
         name: &name,
         kind: Kind::Limit,

@@ -285,10 +285,8 @@ impl Judge<'_> {
         let assess = |metric: Metric| {
             let mut sides = case.sides(metric);
             sides[1 - simulation] = Side::known(data, Estimate::stated(stated.data));
-            let (plain, signed) = (
-                metric.of(case.metrics),
-                case.metrics.signed_mean_difference(),
-            );
+            let plain = metric.of(case.metrics);
+            let signed = case.metrics.signed_mean_difference();
             let distance = match metric {
                 Metric::Mean => signed.map(|d| sign * d).or(plain),
                 _ => plain,

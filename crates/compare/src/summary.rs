@@ -175,18 +175,14 @@ pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> Eng
 
 fn figures(participant: &Participant, window: &Window, judge: Judge<'_>) -> Figures {
     let time_series = &participant.time_series;
-    let samples = covered(
-        &[(participant, time_series)],
-        time_series.window(window.from_s, window.to_s),
-    );
+    let samples = time_series.window(window.from_s, window.to_s);
+    let samples = covered(&[(participant, time_series)], samples);
     let found = judge.quantities.iter().filter_map(|quantity| {
         let quantity = &shared(quantity, &[participant]);
         let (name, samples) = (&quantity.name, samples.clone());
         let found = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
-        Some((
-            (name.clone(), found.statistics),
-            (name.clone(), found.sampling),
-        ))
+        let named = |of: Statistics| (name.clone(), of);
+        Some((named(found.statistics), named(found.sampling)))
     });
     let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = found.unzip();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
@@ -249,10 +245,8 @@ fn efficiency(
 /// Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants
-        .iter()
-        .any(|p| p.track == SharedModel::Measured)
-    {
+    let is_measured = |p: &&Participant| p.track == SharedModel::Measured;
+    if participants.iter().any(is_measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.time_series.channel(name).is_some();
             participants.iter().all(has)

@@ -259,10 +259,9 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let resources = resources.ok_or("fmi2Instantiate: the resources have no address")?;
         let model = Model::read(&folder(resources))?;
         if guid != Some(model.guid()) {
+            let (given, own) = (guid.unwrap_or("that was given"), model.guid());
             return Err(format!(
-                "fmi2Instantiate: the GUID {} is not that of this unit, {}",
-                guid.unwrap_or("that was given"),
-                model.guid()
+                "fmi2Instantiate: the GUID {given} is not that of this unit, {own}"
             ));
         }
         Ok(Instance::new(Arc::new(model)))

@@ -111,11 +111,8 @@ impl Instance {
             return Ok(());
         }
         let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
-        refused(format!(
-            "{call} was called {}; it may be called {}",
-            self.prescribed.phase.words(),
-            wanted.join(" or ")
-        ))
+        let (now, then) = (self.prescribed.phase.words(), wanted.join(" or "));
+        refused(format!("{call} was called {now}; it may be called {then}"))
     }
 
     /// Sets times and tolerance, as `fmi2SetupExperiment`.

@@ -45,10 +45,8 @@ pub fn relative_or_none(value: Option<f64>) -> String {
 pub fn limit(value: f64) -> String {
     let value: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     if value >= 1e-3 {
-        return format!(
-            "{}\u{202f}%",
-            minus(trim_zeros(&format!("{:.10}", 100.0 * value)))
-        );
+        let percent = format!("{:.10}", 100.0 * value);
+        return format!("{}\u{202f}%", minus(trim_zeros(&percent)));
     }
     let text = raised(&format!("{value:e}"));
     text.strip_prefix("1\u{b7}").unwrap_or(&text).to_owned()
@@ -109,10 +107,8 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let Some(u) = uncertainty.filter(|u| *u > 0.0) else {
         return (figure(value), String::new());
     };
-    let (first, last) = (
-        exponent_after_rounding(value, 5),
-        exponent_after_rounding(u, 1),
-    );
+    let first = exponent_after_rounding(value, 5);
+    let last = exponent_after_rounding(u, 1);
     let digits = first - last + 1;
     let text = if digits >= 5 {
         figure(value)
@@ -143,10 +139,9 @@ pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
         _ => &[],
     };
     let fits = |(most, ..): &&(f64, &str, f64)| largest < *most;
-    let found = steps.iter().find(fits).filter(|_| largest > 0.0);
-    found.map_or((unit.to_owned(), 1.0), |(_, unit, factor)| {
-        ((*unit).to_owned(), *factor)
-    })
+    let fitting = steps.iter().find(fits).filter(|_| largest > 0.0);
+    let (_, unit, factor) = fitting.copied().unwrap_or((0.0, unit, 1.0));
+    (unit.to_owned(), factor)
 }
 
 /// Formats a count in groups of three digits.
@@ -216,10 +211,8 @@ fn power(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
-    raised(&format!(
-        "{value:.precision$e}",
-        precision = digits.saturating_sub(1)
-    ))
+    let precision = digits.saturating_sub(1);
+    raised(&format!("{value:.precision$e}"))
 }
 
 /// Writes the exponent of a number such as `1.2e-7` raised: `1.2·10⁻⁷`.

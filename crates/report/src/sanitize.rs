@@ -17,10 +17,8 @@ pub fn shortened(message: &str) -> String {
     let tail = LONGEST - head - 50;
     let first: String = message.chars().take(head).collect();
     let last: String = message.chars().skip(count - tail).collect();
-    format!(
-        "{first} [{} characters left out] {last}",
-        count - head - tail
-    )
+    let left_out = count - head - tail;
+    format!("{first} [{left_out} characters left out] {last}")
 }
 
 /// Returns the text with control characters written out as `\u001b`, which JSON reads back; `laid_out` text keeps its line

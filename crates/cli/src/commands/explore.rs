@@ -262,11 +262,11 @@ fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
 fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     let mut file = builder.prefix("pinwheel-").suffix(".html").tempfile()?;
-    write!(
-        file,
+    let link = format!(
         include_str!("../../templates/entrance.html"),
         address = address
-    )?;
+    );
+    file.write_all(link.as_bytes())?;
     file.flush()?;
     Ok(file)
 }
@@ -538,10 +538,10 @@ impl Explorer {
             data: &[],
         };
         let report = |progress: Progress<'_>| {
-            locked(&self.compared).told = format!(
-                "Compares: {} of {}, {}",
-                progress.done, progress.total, progress.piece
-            );
+            let Progress {
+                done, total, piece, ..
+            } = progress;
+            locked(&self.compared).told = format!("Compares: {done} of {total}, {piece}");
         };
         let control = Control::new(interrupt::flag(), &report);
         let effort = Effort {

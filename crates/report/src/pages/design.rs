@@ -262,16 +262,10 @@ fn how(found: &DesignResult, one: &Figure) -> String {
 }
 
 fn joint(joint: &Joint) -> Section {
-    let springs = Table::of(
-        "Springs of the joint, which act beyond their dead band",
-        &joint.springs,
-    )
-    .figure("Dead band, both sides", "rad", |spring| {
-        2.0 * spring.dead_band_rad
-    })
-    .figure("Stiffness", "N m/rad", |spring| {
-        spring.stiffness_n_m_per_rad
-    });
+    let caption = "Springs of the joint, which act beyond their dead band";
+    let springs = Table::of(caption, &joint.springs)
+        .figure("Dead band, both sides", "rad", |of| 2.0 * of.dead_band_rad)
+        .figure("Stiffness", "N m/rad", |of| of.stiffness_n_m_per_rad);
     Section::new("joint", "As a joint")
         .with(format!(
             "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
@@ -300,12 +294,8 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
             series.push(of_design(designs, k, what, line(x, y)));
         }
     }
-    chart(
-        "Twist of the output, input locked",
-        "Torque on the output (N m)",
-        "Twist (arcmin)",
-        series,
-    )
+    let (x, y) = ("Torque on the output (N m)", "Twist (arcmin)");
+    chart("Twist of the output, input locked", x, y, series)
 }
 
 fn torsion(found: &DesignResult) -> Section {
@@ -346,20 +336,13 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             spectrum.push(of_design(designs, k, (n, load), points));
         }
     }
-    [
-        chart(
-            "Transmission error",
-            "Input angle (degrees)",
-            "Error about its mean (arcmin)",
-            series,
-        ),
-        Chart::new(
-            "Orders",
-            Axis::linear("Cycles per turn of the input"),
-            Axis::log("Amplitude (arcmin)"),
-            spectrum,
-        ),
-    ]
+    let (x, y) = ("Input angle (degrees)", "Error about its mean (arcmin)");
+    let error = chart("Transmission error", x, y, series);
+    let (x, y) = (
+        Axis::linear("Cycles per turn of the input"),
+        Axis::log("Amplitude (arcmin)"),
+    );
+    [error, Chart::new("Orders", x, y, spectrum)]
 }
 
 fn transmission(found: &DesignResult) -> Section {
@@ -382,21 +365,16 @@ fn transmission(found: &DesignResult) -> Section {
 
 /// Returns the table of the compliance budget, by parts.
 fn budget(found: &DesignResult) -> Table {
-    Table::of(
-        "Compliance budget: what gives way, each part with all before it",
-        &found.budget,
-    )
-    .text("", "Part", |share| share.part)
-    .number("", "Share of the compliance", |share| 100.0 * share.share)
-    .unit("%")
-    .shown(Shown::Digits(3))
-    .figure("Stiffness up to here", "N m/arcmin", |share| {
-        share.stiffness_n_m_per_arcmin
-    })
-    .figure("Lost motion up to here", "arcmin", |share| {
-        share.lost_motion_arcmin
-    })
-    .done()
+    let caption = "Compliance budget: what gives way, each part with all before it";
+    let (stiffness, lost) = ("Stiffness up to here", "Lost motion up to here");
+    Table::of(caption, &found.budget)
+        .text("", "Part", |share| share.part)
+        .number("", "Share of the compliance", |share| 100.0 * share.share)
+        .unit("%")
+        .shown(Shown::Digits(3))
+        .figure(stiffness, "N m/arcmin", |of| of.stiffness_n_m_per_arcmin)
+        .figure(lost, "arcmin", |of| of.lost_motion_arcmin)
+        .done()
 }
 
 /// Describes the fitted compliance and its limitations.
@@ -421,13 +399,12 @@ fn budgeted(share: &Share) -> String {
 }
 
 fn efficiency(found: &DesignResult) -> Section {
+    let rpm = |rad_s: f64| rad_s.abs() * 30.0 / PI;
     let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
-        .figure("Input", "rpm", |run| {
-            run.input_speed_rad_s.abs() * 30.0 / PI
-        })
+        .figure("Input", "rpm", |run| rpm(run.input_speed_rad_s))
         .figure("Load", "N m", |run| run.output_torque_n_m)
         .number("", "Lost in contacts", |run| {
-            run.efficiency.map(|e| e.lost_share)
+            Some(run.efficiency?.lost_share)
         })
         .unit("%")
         .shown(Shown::Percent)
@@ -447,13 +424,11 @@ fn efficiency(found: &DesignResult) -> Section {
 
 fn dimensions(found: &DesignResult) -> Section {
     let lines = found.dimensions.lines(&found.scene);
-    let sizes = Table::of(
-        "Sizes, walls and gaps",
-        lines.iter().filter(|line| line.unit == "m"),
-    )
-    .text("", "What", |line| line.what)
-    .figure("mm", "", |line| 1e3 * line.value)
-    .text("", "How", |line| line.how);
+    let lengths = lines.iter().filter(|line| line.unit == "m");
+    let sizes = Table::of("Sizes, walls and gaps", lengths)
+        .text("", "What", |line| line.what)
+        .figure("mm", "", |line| 1e3 * line.value)
+        .text("", "How", |line| line.how);
     let sizes = Block::folded("What follows from the dimensions", sizes);
     Section::new("dimensions", "Dimensions").with(sizes)
 }

@@ -65,23 +65,24 @@ pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> V
     let shown = figures.iter().filter(|one| is_headline(&one.def));
     let told = shown.map(|one| {
         let (shown, bounds) = figure::shown(one);
+        let def = &one.def;
         json!([
-            one.def.label,
+            def.label,
             one.value,
-            one.def.unit,
+            def.unit,
             shown,
             bounds,
             one.uncertainty
         ])
     });
     let margin = limits.and_then(|limits| {
-        let (_, why) = answer(limits);
-        let margin = limits.margin?;
+        let ((_, why), margin) = (answer(limits), limits.margin?);
+        let shown = significant(margin, 3);
         Some(json!([
             "least margin of a limit",
             margin,
             "",
-            significant(margin, 3),
+            shown,
             why,
             Value::Null
         ]))

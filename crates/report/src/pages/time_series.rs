@@ -186,10 +186,10 @@ fn drawn<'a>(
                 style: styles[place],
                 places,
             }),
-            None => notes.push(format!(
-                "{} is not drawn: its sample times differ.",
-                participant.name
-            )),
+            None => {
+                let name = &participant.name;
+                notes.push(format!("{name} is not drawn: its sample times differ."));
+            }
         }
     }
     drawn

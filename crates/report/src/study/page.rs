@@ -352,10 +352,8 @@ fn sign(mark: Mark) -> (&'static str, String) {
         Mark::Muted => return ("muted", String::new()),
     };
     let sign = format!("<i class=\"sign\" aria-hidden=\"true\">{sign}</i>");
-    (
-        class,
-        format!("{sign}<span class=\"unseen\">{words}: </span> "),
-    )
+    let sign = format!("{sign}<span class=\"unseen\">{words}: </span> ");
+    (class, sign)
 }
 
 /// Returns escaped text in which `` `these` `` are code.

@@ -67,10 +67,8 @@ impl Shift {
             format!("{seconds:.decimals$}")
         };
         let (by, off) = (tidy(self.seconds), self.uncertainty_s);
-        let mut fit = format!(
-            "correlation {:.4} instead of {:.4}",
-            self.correlation, self.unshifted
-        );
+        let (shifted, unshifted) = (self.correlation, self.unshifted);
+        let mut fit = format!("correlation {shifted:.4} instead of {unshifted:.4}");
         if let Some(rival) = self.rival {
             let rival = tidy(rival);
             fit += &format!(

@@ -62,11 +62,9 @@ fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance)
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
     let lead = ranking.advantage.as_ref()?;
     let factor = significant(lead.ratio, 2);
+    let bound = " A bound stands where a series ends before this error.";
     let [least, bound] = match lead.at_least {
-        true => [
-            "at least ",
-            " A bound stands where a series ends before this error.",
-        ],
+        true => ["at least ", bound],
         false => [""; 2],
     };
     let peer = match lead.peer_cpu_s.reached() {
@@ -107,16 +105,13 @@ pub fn text(study: &WorkPrecision) -> String {
             _ => figures::end(series),
         })
         .marked(|_| Mark::Muted);
-    let title = format!(
-        "{}: cost of a relative L2 force error of {:e} over {} s",
-        study.scene.name, ranking.error, study.scene.solver.duration_s
-    );
-    let reference = format!(
-        "reference: {} against {}, apart {:.1e}\n",
-        study.reference.solution.method,
-        study.reference.second.method,
-        study.reference_errors[0].force_l2
-    );
+    let (name, error) = (&study.scene.name, ranking.error);
+    let over_s = study.scene.solver.duration_s;
+    let title = format!("{name}: cost of a relative L2 force error of {error:e} over {over_s} s");
+    let both = [&study.reference.solution, &study.reference.second];
+    let [first, second] = both.map(|of| &of.method);
+    let apart = study.reference_errors[0].force_l2;
+    let reference = format!("reference: {first} against {second}, apart {apart:.1e}\n");
     let lead = ranking.advantage.as_ref().map(|lead| {
         let [words, peer] = match lead.peer_cpu_s.reached() {
             true => ["", "the fastest peer that got there"],

@@ -97,12 +97,9 @@ impl<'a> Answer<'a> {
         let found = self.found;
         let mut twins = found.twins.iter();
         if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
-            let worst = twin.worst().map(|worst| percent(worst.difference()));
-            let said = format!(
-                "{} is {} from a native run with the same contacts",
-                words::short(&twin.engine),
-                worst.unwrap_or_default()
-            );
+            let off = twin.worst().map(|worst| percent(worst.difference()));
+            let (engine, off) = (words::short(&twin.engine), off.unwrap_or_default());
+            let said = format!("{engine} is {off} from a native run with the same contacts");
             return (Tone::Bad, "Differs".to_owned(), said);
         }
         let (tone, word) = self.of_engines();
@@ -294,11 +291,9 @@ impl<'a> Answer<'a> {
             let unknown = "how far the runs are from the exact solution is not known";
             return fact(Mark::Warn, unknown);
         };
-        let mut text = format!(
-            "{} is within {} of the exact solution, by its coarser runs",
-            best.name,
-            (self.number)(own)
-        );
+        let (name, within) = (&best.name, (self.number)(own));
+        let mut text =
+            format!("{name} is within {within} of the exact solution, by its coarser runs");
         // The scene's method and step.
         let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
         let mut scene = comparison.engines.iter();
@@ -407,19 +402,14 @@ impl<'a> Answer<'a> {
             if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
                 (pair, entry) = (of, farthest);
                 let place = self.label(entry);
-                said = format!(
-                    "{said}; at most {} apart (relative L2, {place})",
-                    (self.number)(l2)
-                );
+                let apart = (self.number)(l2);
+                said = format!("{said}; at most {apart} apart (relative L2, {place})");
             }
         }
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let mark = Mark::good(entry.result.verdict == Judged::Agree);
-        Some(Fact::new(
-            "measurement",
-            mark,
-            format!("{a} and {b}: {said}"),
-        ))
+        let text = format!("{a} and {b}: {said}");
+        Some(Fact::new("measurement", mark, text))
     }
 
     /// Returns facts on parts that were not checked, with the way to check them. At most `told` reasons of engines without
@@ -431,10 +421,10 @@ impl<'a> Answer<'a> {
         let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for info in known().filter(|info| !here(info.name)) {
             let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
-            let why = remedy.map_or_else(
-                || "not asked for; run it without `--engines`".to_owned(),
-                |remedy| format!("not here; {remedy}"),
-            );
+            let why = match remedy {
+                None => "not asked for; run it without `--engines`".to_owned(),
+                Some(remedy) => format!("not here; {remedy}"),
+            };
             absent.entry(why).or_default().push(info.name);
         }
         let mut facts = Vec::new();

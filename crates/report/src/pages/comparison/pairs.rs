@@ -231,12 +231,11 @@ impl Page<'_> {
 /// Returns a text on the bound of a difference.
 fn against(one: &Assessment) -> String {
     match (&one.budget, one.against) {
-        (Some(budget), _) => format!(
-            "u of numerics {}, inputs {}, data {}",
-            relative(budget.numerical),
-            relative(budget.input),
-            relative(budget.data)
-        ),
+        (Some(budget), _) => {
+            let parts = [budget.numerical, budget.input, budget.data];
+            let [numerical, input, data] = parts.map(relative);
+            format!("u of numerics {numerical}, inputs {input}, data {data}")
+        }
         (None, Against::Limit) => {
             let limit = one.bound.map_or_else(|| NONE.to_owned(), format::limit);
             format!("limit {limit}")
@@ -258,9 +257,8 @@ fn largest(metrics: &PairMetrics, quantity: Option<&Quantity>) -> Option<String>
         Some(q) if q.channels.len() > 1 => format!(", no. {}", worst.channel),
         _ => String::new(),
     };
+    let (value, time_s) = (significant(value, 2), format::plain(worst.time_s));
     Some(format!(
-        "{}\u{202f}{unit} at {}\u{202f}s{channel}",
-        significant(value, 2),
-        format::plain(worst.time_s)
+        "{value}\u{202f}{unit} at {time_s}\u{202f}s{channel}"
     ))
 }

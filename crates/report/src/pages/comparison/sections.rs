@@ -18,13 +18,8 @@ impl<'a> Page<'a> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
         let mut names: Vec<SharedModel> = finished.map(|e| e.track).collect();
-        names.sort_by_key(|&name| {
-            (
-                name == SharedModel::Native,
-                name != SharedModel::Measured,
-                name,
-            )
-        });
+        let last = |of: SharedModel| (of == SharedModel::Native, of != SharedModel::Measured, of);
+        names.sort_by_key(|&name| last(name));
         names.dedup();
         let alone = names.len() == 1;
         let sections = names.iter().enumerate();

@@ -48,10 +48,8 @@ fn with_notes(
     trust: &[Fact],
     (kept, reasons): (usize, usize),
 ) -> String {
-    let mut text = format!(
-        "{}\n\n",
-        styled(TITLE, &paragraph(&crate::pages::title(scene)))
-    );
+    let title = paragraph(&crate::pages::title(scene));
+    let mut text = format!("{}\n\n", styled(TITLE, &title));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
     text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);

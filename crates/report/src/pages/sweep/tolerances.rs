@@ -147,10 +147,8 @@ pub(super) fn sure(plan: &Plan, found: &[SampleResult]) -> Option<Tile> {
     let off = |end: Option<f64>| Some((end? / median.value - 1.0).abs());
     let [below, above] = median.interval.map(off);
     let said = format!("to {}", relative(below?.max(above?)));
-    let why = format!(
-        "median of {} over {} runs, with 95 % confidence",
-        figure.def.label, figure.count
-    );
+    let (label, runs) = (&figure.def.label, figure.count);
+    let why = format!("median of {label} over {runs} runs, with 95 % confidence");
     Some(Question::Sure.answered(Mark::None, said, why))
 }
 
