@@ -21,12 +21,6 @@ use crate::{interrupt, screen, words};
 pub(crate) struct Folder(folder::Folder);
 
 impl Folder {
-    /// Checks that `out` may be written, before any long run.
-    pub(crate) fn prepare(out: &Path, force: bool) -> Result<Self, Failure> {
-        let other = Request::default();
-        Self::asked(out, Request { force, ..other })
-    }
-
     /// Prepares the requested folder, or `out/NAME`, for the results of `of`. The latter must not replace other results.
     pub(crate) fn of(out: &OutArgs, name: impl AsRef<Path>, of: &str) -> Result<Self, Failure> {
         let request = Request {
@@ -62,7 +56,7 @@ impl Folder {
         Self::asked(out, request).map_err(failed)
     }
 
-    /// Prepares a folder for a request, and adds command and files to it.
+    /// Checks that `out` may be written, before any long run; adds command and files to the request.
     pub(crate) fn asked(out: &Path, mut request: Request) -> Result<Self, Failure> {
         request.command = args::typed();
         request.inputs.extend(named_files());

@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{Folder, Request};
 use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
@@ -531,7 +531,7 @@ impl Explorer {
         // The name differs from that of `compare`, whose results for the file must stay.
         let name = format!("{}-explored-compare", args::label(&self.spec));
         let out = Path::new("out").join(name);
-        let folder = Folder::prepare(&out, false)?;
+        let folder = Folder::asked(&out, Request::default())?;
         let input = Input {
             gearbox: &gearbox,
             engines: &engines,

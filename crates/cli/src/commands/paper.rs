@@ -11,7 +11,7 @@ use crate::progress::watched;
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
     let figures = args.figures.clone();
-    let folder = Folder::prepare(&args.out.or("paper"), args.out.force)?;
+    let folder = Folder::of(&args.out, "paper", "")?;
     let mut peer = None;
     if figures.is_empty() || figures.iter().any(|f| f == "10") {
         let found = watched(|control| paper::peer(args.against.as_deref(), control));

@@ -40,7 +40,7 @@ impl<'a> Answer<'a> {
         &self.found.comparison
     }
 
-    /// Returns the verdict with the main figure.
+    /// Returns the verdict with the main figure, and the counts of all verdicts.
     pub(super) fn verdict(&self) -> Verdict {
         let (tone, word, said) = self.judged();
         Verdict {
@@ -49,7 +49,7 @@ impl<'a> Answer<'a> {
                 "" => word,
                 said => format!("{word}: {said}"),
             },
-            detail: self.summary(),
+            detail: words::counts(self.comparison()),
         }
     }
 
@@ -144,21 +144,6 @@ impl<'a> Answer<'a> {
             }
             _ => String::new(),
         }
-    }
-
-    /// Returns a sentence on the engines that agree, and one on the largest difference.
-    fn summary(&self) -> String {
-        let (engines, programs) = self.agreeing();
-        let agree = match engines {
-            0 => "No two engines agree.".to_owned(),
-            n if programs == 1 => format!("{n} solvers of one program agree."),
-            n => format!("{n} engines of {programs} programs agree."),
-        };
-        let most = self.found.largest().filter(|most| most.share() > SEEN);
-        let most = most.map_or_else(String::new, |most| {
-            format!(" Largest difference: {}.", self.apart(&most))
-        });
-        agree + &most
     }
 
     /// Returns the number of engines that agree with another one on the scene's law, and of their programs.
