@@ -85,7 +85,7 @@ pub(crate) struct Sides<'a> {
     pub(crate) b: &'a Participant,
 }
 
-/// One quantity of a pair in one window.
+/// Quantity of a pair in one window.
 pub(crate) struct Case<'a> {
     pub(crate) sides: Sides<'a>,
     pub(crate) quantity: &'a Quantity,

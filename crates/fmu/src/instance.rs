@@ -83,7 +83,7 @@ pub struct Instance {
     prescribed: Prescribed,
     gear: Option<CoSimulation>,
     /// Observation at the present time.
-    seen: Option<(Shafts, Vec<f64>)>,
+    observed: Option<(Shafts, Vec<f64>)>,
 }
 
 impl Instance {
@@ -102,7 +102,7 @@ impl Instance {
             },
             model,
             gear: None,
-            seen: None,
+            observed: None,
         }
     }
 
@@ -191,7 +191,7 @@ impl Instance {
             let holders = self.model.holders(values);
             gear.prescribe(holders.map(|k| (values[k], 0.0)));
             self.prescribed.begun.clone_from(values);
-            (self.gear, self.seen) = (Some(gear), None);
+            (self.gear, self.observed) = (Some(gear), None);
         }
         Ok(())
     }
@@ -298,7 +298,7 @@ impl Instance {
         let Some(gear) = &mut self.gear else {
             return refused("fmi2GetReal: there is no gear");
         };
-        let (shafts, row) = self.seen.get_or_insert_with(|| {
+        let (shafts, row) = self.observed.get_or_insert_with(|| {
             let mut row = Vec::new();
             (gear.observe(&mut row), row)
         });
@@ -379,7 +379,7 @@ impl Instance {
         }
         gear.prescribe(held);
         self.prescribed.slopes.fill(0.0);
-        self.seen = None;
+        self.observed = None;
         let advanced = gear.advance(to - self.prescribed.start_s, cancelled);
         advanced.map_err(|what| {
             self.prescribed.phase = Phase::Failed;
@@ -454,7 +454,7 @@ impl Instance {
         } else {
             self.gear = None;
         }
-        (self.prescribed, self.seen) = (prescribed, None);
+        (self.prescribed, self.observed) = (prescribed, None);
         Ok(())
     }
 

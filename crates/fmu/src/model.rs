@@ -180,7 +180,7 @@ impl Variable {
     }
 }
 
-/// A scene and its variables.
+/// Scene with its variables.
 #[derive(Debug, Clone)]
 pub struct Model {
     text: String,
@@ -205,7 +205,7 @@ impl Model {
     /// Makes the model of a compiled scene.
     ///
     /// # Errors
-    /// A scene that the native solver cannot run.
+    /// Reason why the native solver cannot run the scene.
     pub fn of(gearbox: &Gearbox) -> Result<Self, String> {
         Self::new(gearbox.scene.to_toml(), gearbox.clone())
     }

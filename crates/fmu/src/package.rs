@@ -52,7 +52,7 @@ impl Imprint {
     /// author is Pinwheel's authors.
     ///
     /// # Errors
-    /// A `SOURCE_DATE_EPOCH` that is no time.
+    /// `SOURCE_DATE_EPOCH` is no time.
     #[expect(clippy::disallowed_methods, reason = "a day, no duration")]
     pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
         // End of the year 9999; later dates have another form.
@@ -242,7 +242,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// A unit, ready to be written.
+/// Unit, ready to be written.
 #[derive(Debug, Clone)]
 pub struct Package {
     model: Arc<Model>,
@@ -268,7 +268,7 @@ impl Package {
     /// Builds the unit and tries its first step.
     ///
     /// # Errors
-    /// A scene that gives no unit, or a library that cannot be read.
+    /// The scene gives no unit, or the library cannot be read.
     pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {

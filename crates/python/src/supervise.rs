@@ -31,7 +31,7 @@ struct Seen {
 
 /// Message to the caller's thread.
 enum Item {
-    /// A solver to run.
+    /// Solver to run.
     Call(Call),
     /// End of the work.
     End,
@@ -67,7 +67,7 @@ impl Desk {
     }
 }
 
-/// A solver that another thread runs.
+/// Solver that another thread runs.
 #[pyclass(frozen, module = "pinwheel._core")]
 struct AtCaller {
     drive: Py<PyAny>,

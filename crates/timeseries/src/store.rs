@@ -6,12 +6,12 @@ use std::ops::Range;
 use crate::sampling::Between;
 use crate::{TimeSeriesError, columns};
 
-/// One named column.
+/// Named column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Name with its unit as suffix.
     pub name: String,
-    /// One value per sample.
+    /// Values, one per sample.
     pub values: Vec<f64>,
 }
 

@@ -74,7 +74,7 @@ const LATE: Value = Value::Null;
 #[derive(Default)]
 struct Compared {
     running: bool,
-    told: String,
+    state: String,
     page: Option<String>,
     place: String,
     work: Option<JoinHandle<()>>,
@@ -288,7 +288,7 @@ fn page(text: impl Into<String>) -> Answer {
     Answer::new(200, "text/html", text)
 }
 
-fn told(value: &Value) -> Answer {
+fn json_of(value: &Value) -> Answer {
     Answer::new(200, "application/json", value.to_string())
 }
 
@@ -298,7 +298,7 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
 
 /// Answers a valid request without a result.
 fn reason(why: impl Into<Value>) -> Answer {
-    told(&json!({ "reason": why.into() }))
+    json_of(&json!({ "reason": why.into() }))
 }
 
 impl From<Failure> for Answer {
@@ -332,7 +332,7 @@ impl Explorer {
         match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(&question.gone),
-                "/status" => Ok(told(&self.status())),
+                "/status" => Ok(json_of(&self.status())),
                 "/comparison" => Ok(self.comparison()),
                 _ => Ok(plain(404, "there is nothing here")),
             },
@@ -406,7 +406,7 @@ impl Explorer {
         stop.store(true, Ordering::Relaxed);
         let mut run = found.map_err(reason)?;
         run["balanced"] = figures.map_or(LATE, balanced);
-        Ok(told(&run))
+        Ok(json_of(&run))
     }
 
     /// Computes what the answer of the newest requested state lacks; `stop` ends it.
@@ -422,8 +422,8 @@ impl Explorer {
         if path == "/motion" {
             let span_s = *locked(&self.span_s);
             return match states::motion(&gearbox, span_s, &Control::silent(stop)) {
-                Ok(motion) => Ok(told(&live::run(motion.as_ref()).map_err(reason)?)),
-                Err(_) => Ok(told(&LATE)),
+                Ok(motion) => Ok(json_of(&live::run(motion.as_ref()).map_err(reason)?)),
+                Err(_) => Ok(json_of(&LATE)),
             };
         }
         let begun = Instant::now();
@@ -432,7 +432,7 @@ impl Explorer {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
-        Ok(told(&balanced(found)))
+        Ok(json_of(&balanced(found)))
     }
 
     /// Cancels the running balances of a page; `stop` cancels the new ones.
@@ -448,7 +448,7 @@ impl Explorer {
     fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let name = format!("{}-explored.toml", file_name(&name));
-        Ok(told(&json!({"name": name, "text": text})))
+        Ok(json_of(&json!({"name": name, "text": text})))
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.
@@ -474,7 +474,7 @@ impl Explorer {
             let _ = std::fs::remove_file(&name);
             plain(500, format!("{name}: {error}"))
         })?;
-        Ok(told(&json!({"file": name})))
+        Ok(json_of(&json!({"file": name})))
     }
 
     /// Starts a comparison of all engines, unless one is running.
@@ -486,7 +486,7 @@ impl Explorer {
         }
         *compared = Compared {
             running: true,
-            told: "Compares".to_owned(),
+            state: "Compares".to_owned(),
             ..Compared::default()
         };
         let explorer = Arc::clone(self);
@@ -496,10 +496,10 @@ impl Explorer {
             compared.running = false;
             match done {
                 Ok((text, place)) => (compared.page, compared.place) = (Some(text), place),
-                Err(failure) => compared.told = failure.message,
+                Err(failure) => compared.state = failure.message,
             }
         }));
-        Ok(told(&json!({})))
+        Ok(json_of(&json!({})))
     }
 
     /// Returns the time of the scene's file and the state of the comparison.
@@ -511,7 +511,7 @@ impl Explorer {
         let compared = locked(&self.compared);
         json!({
             "stamp": since.unwrap_or_default().as_secs_f64(),
-            "compares": compared.told,
+            "compares": compared.state,
             "page": compared.page.as_ref().map(|_| "comparison"),
             "place": compared.place,
         })
@@ -541,7 +541,7 @@ impl Explorer {
             let Progress {
                 done, total, piece, ..
             } = progress;
-            locked(&self.compared).told = format!("Compares: {done} of {total}, {piece}");
+            locked(&self.compared).state = format!("Compares: {done} of {total}, {piece}");
         };
         let control = Control::new(interrupt::flag(), &report);
         let effort = Effort {

@@ -81,8 +81,8 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
     let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
     let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
-    let told = joined(", by ", fitted.map(cut));
-    (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))
+    let forces = joined(", by ", fitted.map(cut));
+    (!forces.is_empty()).then(|| format!("{label}; profile cut by {forces}"))
 }
 
 /// Label for a scene's law outside of the bands.

@@ -1,4 +1,4 @@
-//! One run, on a page and on a terminal.
+//! Page and terminal text of a run.
 
 use crate::figure::{self, cell, sentence};
 use crate::format::{self, NONE, joined};

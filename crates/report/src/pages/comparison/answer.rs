@@ -397,9 +397,9 @@ impl<'a> Answer<'a> {
         Some(Fact::new("measurement", mark, text))
     }
 
-    /// Returns facts on parts that were not checked, with the way to check them. At most `told` reasons of engines without
+    /// Returns facts on parts that were not checked, with the way to check them. At most `listed` reasons of engines without
     /// figures are listed one by one.
-    pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
+    pub(super) fn unchecked(&self, listed: usize) -> Vec<Fact> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
@@ -422,13 +422,13 @@ impl<'a> Answer<'a> {
             facts.push(Fact::new("engines", Mark::None, text));
         }
         let mut left_out = left_out(comparison);
-        let more = left_out.split_off(told.min(left_out.len()));
+        let more = left_out.split_off(listed.min(left_out.len()));
         if !more.is_empty() {
             let names = more.into_iter().flat_map(|(_, names)| names).collect();
             let why = "`--verbose` says why, or Engines on the page";
             left_out.push((why.to_owned(), names));
         }
-        facts.extend(told_as_facts(&left_out));
+        facts.extend(left_out_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
         let recorded: Vec<&str> = recorded.map(|engine| engine.name.as_str()).collect();
@@ -544,14 +544,14 @@ pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
 }
 
 /// Returns the reasons of excluded engines as facts.
-pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
-    let told = left_out.iter().map(|(reason, names)| {
+pub(super) fn left_out_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
+    let facts = left_out.iter().map(|(reason, names)| {
         // The label already contains this.
         let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
         let text = format!("{}: {reason}", names.join(", "));
         Fact::new("left out", Mark::None, text)
     });
-    told.collect()
+    facts.collect()
 }
 
 /// Label of the fact on engines that solve the scene's own law.

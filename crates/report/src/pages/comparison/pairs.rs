@@ -1,4 +1,4 @@
-//! One line for each pair, with its verdicts and metrics folded behind it.
+//! Pairs of a comparison, a line each, with verdicts and metrics folded behind it.
 
 use crate::format::{self, NONE, distinct, grouped, relative, relative_or_none, significant};
 use crate::study::{Block, Item};

@@ -32,7 +32,7 @@ pub(super) fn section(found: &Outcome) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 
-/// A table of the stages, and pictures of those that are off.
+/// Returns a table of the stages, and pictures of those that are off.
 pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     let share = |judged: &Judged, value: f64| match judged.residual {
         Some(_) if value == 0.0 => "0".to_owned(),

@@ -65,15 +65,15 @@ fn with_notes(
         [] => String::new(),
         facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
     };
-    let (notes, mut told): (Vec<Fact>, Vec<Fact>) = trust.iter().cloned().partition(is_note);
+    let (notes, mut checks): (Vec<Fact>, Vec<Fact>) = trust.iter().cloned().partition(is_note);
     let more = notes.len() - kept;
-    told.extend(notes.into_iter().take(kept));
+    checks.extend(notes.into_iter().take(kept));
     if more > 0 {
         let more =
             format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
-        told.push(Fact::new(answer::DATA, Mark::None, more));
+        checks.push(Fact::new(answer::DATA, Mark::None, more));
     }
-    text += &facts("can I trust it", &told);
+    text += &facts("can I trust it", &checks);
     let mut unchecked = answer.unchecked(reasons);
     // The last line counts these.
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
@@ -93,7 +93,7 @@ const SCREEN: usize = 30;
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
-    text += &terminal::facts(&answer::told_as_facts(&answer::left_out(comparison)));
+    text += &terminal::facts(&answer::left_out_facts(&answer::left_out(comparison)));
     let tables = [measured(comparison), pairs(comparison)].into_iter();
     let tables = tables.filter(|table| !table.is_empty());
     let bands = found
@@ -103,10 +103,10 @@ pub fn details(found: &Outcome) -> String {
     for part in tables.map(|table| terminal::table(&table)).chain(bands) {
         text += &format!("\n{part}");
     }
-    let told = words::of_windows(comparison).chain(budgets(comparison));
-    let told = told.chain(words::of_measured(comparison));
+    let remarks = words::of_windows(comparison).chain(budgets(comparison));
+    let remarks = remarks.chain(words::of_measured(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
-    text + &terminal::paragraphs(told.chain(twins))
+    text + &terminal::paragraphs(remarks.chain(twins))
 }
 
 /// Returns the verdict in a sentence.
