@@ -25,7 +25,7 @@ pub(crate) const STOPPED: u8 = 130;
 pub(crate) struct Failure {
     /// Exit status.
     pub(crate) code: u8,
-    /// One line without the leading `error: `.
+    /// Message on one line, without the leading `error: `.
     pub(crate) message: String,
 }
 

@@ -21,15 +21,6 @@ use crate::{interrupt, screen, words};
 pub(crate) struct Folder(folder::Folder);
 
 impl Folder {
-    /// Checks that `out` may be written, before any long run.
-    pub(crate) fn prepare(out: &Path, force: bool) -> Result<Self, Failure> {
-        let request = Request {
-            force,
-            ..Request::default()
-        };
-        Self::asked(out, request)
-    }
-
     /// Prepares the requested folder, or `out/NAME`, for the results of `of`. The latter must not replace other results.
     pub(crate) fn of(out: &OutArgs, name: impl AsRef<Path>, of: &str) -> Result<Self, Failure> {
         let request = Request {
@@ -65,7 +56,7 @@ impl Folder {
         Self::asked(out, request).map_err(failed)
     }
 
-    /// Prepares a folder for a request, and adds command and files to it.
+    /// Checks that `out` may be written, before any long run; adds command and files to the request.
     pub(crate) fn asked(out: &Path, mut request: Request) -> Result<Self, Failure> {
         request.command = args::typed();
         request.inputs.extend(named_files());
@@ -126,11 +117,8 @@ impl Folder {
 pub(crate) fn relative(file: &Path) -> String {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let here = std::env::current_dir().unwrap_or_default();
-    absolute
-        .strip_prefix(here)
-        .unwrap_or(&absolute)
-        .display()
-        .to_string()
+    let inside = absolute.strip_prefix(here).unwrap_or(&absolute);
+    inside.display().to_string()
 }
 
 /// Names the scenes of a study that has default scenes.
@@ -162,11 +150,8 @@ pub(crate) fn name_leftovers(path: &Path) {
     let beside = folders.next();
     // A draft is in a parent folder if the folder did not exist.
     let above = folders.take_while(|folder| folder.starts_with(&here));
-    let mut left: Vec<PathBuf> = beside
-        .into_iter()
-        .chain(above)
-        .flat_map(leftovers)
-        .collect();
+    let folders = beside.into_iter().chain(above);
+    let mut left: Vec<PathBuf> = folders.flat_map(leftovers).collect();
     if let Ok(mut named) = NAMED.lock() {
         left.retain(|path| named.insert(path.clone()));
     }

@@ -37,10 +37,8 @@ impl Question {
     /// Values of a header, in the order in which they were sent.
     pub(crate) fn headers(&self, name: &str) -> impl Iterator<Item = &[u8]> {
         let of_name = move |own: &&(String, Vec<u8>)| own.0.eq_ignore_ascii_case(name);
-        self.headers
-            .iter()
-            .filter(of_name)
-            .map(|(_, value)| value.as_slice())
+        let of_name = self.headers.iter().filter(of_name);
+        of_name.map(|(_, value)| value.as_slice())
     }
 
     /// Returns the value of a header; `None` if it is absent, given twice or no text.
@@ -69,12 +67,11 @@ impl Question {
         };
         let owned = |text: Option<&str>| text.unwrap_or_default().to_owned();
         let headers = request.headers.iter();
+        let headers = headers.map(|h| (h.name.to_owned(), h.value.to_vec()));
         let mut question = Self {
             method: owned(request.method),
             path: owned(request.path),
-            headers: headers
-                .map(|h| (h.name.to_owned(), h.value.to_vec()))
-                .collect(),
+            headers: headers.collect(),
             ..Self::default()
         };
         if question.headers("Transfer-Encoding").next().is_some() {
@@ -169,10 +166,9 @@ pub(crate) fn serve(
             let (place, reply, waiting) = (here.clone(), Arc::clone(&reply), Arc::clone(&idle));
             let begun = std::thread::Builder::new().spawn(move || {
                 let _place = place;
+                let asked = || drop(locked(&waiting).remove(&number));
                 // The client may be gone.
-                let _ = answer(stream, reply.as_ref(), &|| {
-                    drop(locked(&waiting).remove(&number))
-                });
+                let _ = answer(stream, reply.as_ref(), &asked);
             });
             if begun.is_err() {
                 // Without a thread the connection is closed.
@@ -221,15 +217,14 @@ fn answer(
     Ok(())
 }
 
+/// Errors of reading an open connection for a limited time.
+const STILL_OPEN: [io::ErrorKind; 2] = [io::ErrorKind::WouldBlock, io::ErrorKind::TimedOut];
+
 /// Sets `gone` when the client closes the connection. The watch ends then, or at a byte beyond the request.
 fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
     while !gone.load(Ordering::Relaxed) && stream.set_read_timeout(Some(LOOK)).is_ok() {
         match stream.read(&mut [0]) {
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
-                ) => {}
+            Err(error) if STILL_OPEN.contains(&error.kind()) => {}
             Ok(1..) => return,
             Ok(0) | Err(_) => gone.store(true, Ordering::Relaxed),
         }

@@ -46,27 +46,18 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
 
 /// Writes the text of a study's results, or on request the JSON of its folder, or less.
 pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Failure> {
-    let Manner {
-        quiet,
-        verbose,
-        json,
-        ..
-    } = manner();
-    if json {
+    if manner().json {
         let path = folder.join(file);
-        return match std::fs::read_to_string(&path) {
-            Ok(text) => show(&text),
-            Err(error) => Err(Failure::input(format!(
-                "{} cannot be read: {}",
-                path.display(),
-                reason(&error)
-            ))),
+        let unread = |error: std::io::Error| {
+            let (path, why) = (path.display(), reason(&error));
+            Failure::input(format!("{path} cannot be read: {why}"))
         };
+        return show(&std::fs::read_to_string(&path).map_err(unread)?);
     }
-    if !(quiet || text.is_empty()) {
+    if !(manner().quiet || text.is_empty()) {
         show(text)?;
     }
-    if verbose {
+    if manner().verbose {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
         let mut names: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
@@ -119,11 +110,8 @@ pub(crate) fn show_or_json(
 
 /// Writes to stderr; a failure is ignored, because there is no other place to report it.
 pub(crate) fn show_on_stderr(text: &str) {
-    let _ = writeln!(
-        anstream::stderr().lock(),
-        "{}",
-        sanitize(text.trim_end(), true)
-    );
+    let text = sanitize(text.trim_end(), true);
+    let _ = writeln!(anstream::stderr().lock(), "{text}");
 }
 
 /// Writes `note: ...` on one line, except in quiet mode.
@@ -180,11 +168,8 @@ fn annotation(level: &str, message: &str) -> String {
         let file = escaped(file, &[(':', "%3A"), (',', "%2C")]);
         format!(" file={file},line={line}")
     });
-    format!(
-        "::{level}{}::{}",
-        place.unwrap_or_default(),
-        escaped(message, &[])
-    )
+    let (place, message) = (place.unwrap_or_default(), escaped(message, &[]));
+    format!("::{level}{place}::{message}")
 }
 
 #[cfg(test)]

@@ -42,16 +42,13 @@ pub(crate) fn of(
     inertia: f64,
     steps: f64,
 ) -> Option<Balance> {
-    let part =
-        |values: &'_ [f64]| -> Option<Vec<f64>> { Some(values.get(samples.clone())?.to_vec()) };
+    let part = |values: &[f64]| values.get(samples.clone()).map(<[f64]>::to_vec);
     let time = part(time_series.time_s())?;
     let torque = part(time_series.channel(columns::OUTPUT_TORQUE)?)?;
     let angle = part(time_series.channel(columns::OUTPUT_ANGLE)?)?;
     let spacing = time.get(1)? - time[0];
-    let equal = time
-        .windows(2)
-        .take_while(|t| (t[1] - t[0] - spacing).abs() <= EQUAL * spacing);
-    let len = equal.count() + 1;
+    let is_equal = |t: &&[f64]| (t[1] - t[0] - spacing).abs() <= EQUAL * spacing;
+    let len = time.windows(2).take_while(is_equal).count() + 1;
     // Integral over one triangle, then over the window, from sample `first` on, `stride` apart.
     let one = |k: usize| {
         let mean = (torque[k] + 10.0 * torque[k + 1] + torque[k + 2]) / 12.0;
@@ -61,10 +58,8 @@ pub(crate) fn of(
     let left_over = |first: usize, stride: usize| {
         let at: Vec<usize> = (first..len).step_by(stride).collect();
         let triangles = at.len().checked_sub(2).filter(|n| *n >= FEWEST)? as f64;
-        let sum: f64 = at
-            .windows(3)
-            .map(|k| torque[k[0]] + 10.0 * torque[k[1]] + torque[k[2]])
-            .sum();
+        let three = |k: &[usize]| torque[k[0]] + 10.0 * torque[k[1]] + torque[k[2]];
+        let sum: f64 = at.windows(3).map(three).sum();
         let [.., b, c] = at[..] else { return None };
         let gained = (angle[c] - angle[b]) - (angle[at[1]] - angle[at[0]]);
         let span = spacing * stride as f64;
@@ -74,15 +69,12 @@ pub(crate) fn of(
     let halves = [left_over(0, 2)?, left_over(1, 2)?];
     let off = |k: usize| (one(k) - all).abs();
     let kink = (0..len - 2).map(off).fold(0.0, f64::max) / (len - 2) as f64;
-    let turned = angle[..len]
-        .iter()
-        .fold(0.0, |most: f64, a| most.max(a.abs()));
+    let angles = angle[..len].iter();
+    let turned = angles.fold(0.0, |most: f64, a| most.max(a.abs()));
+    let off_of_halves = halves.iter().map(|half| (half - all).abs());
     Some(Balance {
         left_over: all,
-        quadrature: SAFETY_UNCONFIRMED
-            * halves
-                .iter()
-                .fold(kink, |most: f64, half| most.max((half - all).abs())),
+        quadrature: SAFETY_UNCONFIRMED * off_of_halves.fold(kink, f64::max),
         rounding: ROUNDINGS * steps.max(1.0).sqrt() * f64::EPSILON * turned * inertia
             / (spacing * spacing * (len - 2) as f64),
     })

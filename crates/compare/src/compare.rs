@@ -41,17 +41,11 @@ pub fn compare(
     if let Some(strange) = rules.evidence.iter().find(|e| !names.remove(&e.engine)) {
         return Err(CompareError::Evidence(strange.engine.clone()));
     }
-    let finished: Vec<&Participant> = participants
-        .iter()
-        .filter(|p| p.status.is_finished())
-        .collect();
+    let finished = participants.iter().filter(|p| p.status.is_finished());
+    let finished: Vec<&Participant> = finished.collect();
     let nothing = TimeSeries::default();
     // The finest sample grid; recordings may have a part of its samples.
-    let finest = finished
-        .iter()
-        .rev()
-        .max_by_key(|p| p.time_series.len())
-        .copied();
+    let finest = finished.iter().rev().max_by_key(|p| p.time_series.len());
     if let Some(finest) = finest {
         for other in &finished {
             grid::common(finest, other)?;
@@ -67,28 +61,26 @@ pub fn compare(
     let judge = Judge {
         rules,
         context,
+        windows: &windows,
+        quantities: &quantities,
         negligible: Negligible::of(context, &finished, &quantities),
     };
-
-    let engines: Vec<EngineSummary> = participants
-        .iter()
-        .map(|p| engine_summary(p, &windows, &quantities, judge))
-        .collect();
+    let engines = participants.iter().map(|p| engine_summary(p, judge));
+    let engines: Vec<EngineSummary> = engines.collect();
     let mut pairs = Vec::new();
     for (k, b) in finished.iter().enumerate() {
         for a in &finished[..k] {
             if let Some(track) = track_of(a, b) {
-                let sides = Sides { track, a, b };
-                pairs.push(pair(sides, &engines, &windows, &quantities, judge)?);
+                pairs.push(pair(Sides { track, a, b }, &engines, judge)?);
             }
         }
     }
-    let matrices = matrix::matrices(&finished, &pairs, &quantities, &windows);
+    let matrices = matrix::matrices(&finished, &pairs, judge);
     let mut counts = Counts::default();
     let alone = engines.iter().flat_map(|e| &e.judged).map(|e| &e.result);
     let of_pairs = pairs.iter().flat_map(|p| &p.entries).map(|e| &e.result);
     alone.chain(of_pairs).for_each(|one| counts.add(one));
-    let findings = findings::of(rules, &engines, &pairs, &quantities, judge.negligible);
+    let findings = findings::of(&engines, &pairs, judge);
     let mut comparison = Comparison {
         context: context.clone(),
         passed: false,

@@ -25,7 +25,7 @@ pub struct Comparison {
     pub passed: bool,
     /// Evidence for each item that the user brought; one finding for all engines together if the user brought none.
     pub findings: Vec<Finding>,
-    /// The largest U that still counts as resolved, relative.
+    /// Largest U that still counts as resolved, relative.
     pub resolution: f64,
     /// Verdicts over all engines and pairs.
     pub counts: Counts,
@@ -41,7 +41,7 @@ pub struct Comparison {
     pub engines: Vec<EngineSummary>,
     /// Every pair of finished engines that shares a track.
     pub pairs: Vec<Pair>,
-    /// One matrix per track and window.
+    /// Matrices, one per track and window.
     pub matrices: Vec<Matrix>,
 }
 
@@ -58,7 +58,7 @@ impl Comparison {
     }
 }
 
-/// One engine alone.
+/// Figures, verdicts and evidence of an engine alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineSummary {
     /// Name.
@@ -120,7 +120,7 @@ pub struct RefinementSummary {
     pub method: Method,
     /// The finest run's step (s) or tolerance.
     pub finest: f64,
-    /// The coarser runs.
+    /// Coarser runs.
     pub levels: Vec<LevelSummary>,
     /// Wall time of all runs over that of the finest; `None` where times are not known.
     pub cost: Option<f64>,
@@ -129,7 +129,7 @@ pub struct RefinementSummary {
     pub reason: Option<String>,
 }
 
-/// One coarser run.
+/// Coarser run of a refinement study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelSummary {
     /// Ratio of the setting to the finest run's.
@@ -162,7 +162,7 @@ impl RefinementSummary {
     }
 }
 
-/// One engine's figures in one window.
+/// Figures of an engine in a window.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figures {
     /// Window.
@@ -180,7 +180,7 @@ pub struct Figures {
     pub efficiency_reason: Option<String>,
 }
 
-/// A verdict on one engine alone.
+/// Verdict on an engine alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineEntry {
     /// Quantity name.
@@ -201,11 +201,11 @@ pub struct Pair {
     pub b: String,
     /// Model that the foreign engine shares; `native` for two native runs.
     pub track: SharedModel,
-    /// One entry per window and quantity.
+    /// Entries, one per window and quantity.
     pub entries: Vec<PairEntry>,
 }
 
-/// One quantity of a pair in one window.
+/// Comparison of a quantity of a pair in a window.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairEntry {
     /// Quantity name.
@@ -235,7 +235,7 @@ pub struct Matrix {
     pub cells: Vec<Cell>,
 }
 
-/// One pair in a matrix.
+/// Cell of a matrix: a pair of engines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
     /// Row, an index into the matrix's engines; larger than `column`.
@@ -257,7 +257,7 @@ pub struct Cell {
 }
 
 impl Matrix {
-    /// The cell of two engines in either order; `None` on the diagonal.
+    /// Returns the cell of two engines in either order; `None` on the diagonal.
     pub fn cell(&self, i: usize, j: usize) -> Option<&Cell> {
         let (row, column) = (i.max(j), i.min(j));
         (row != column)

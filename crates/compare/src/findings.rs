@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use crate::comparison::{EngineSummary, Pair, PairEntry};
-use crate::judge::Negligible;
+use crate::judge::Judge;
 use crate::limits::{StatedLimit, fits};
 use crate::participant::SharedModel;
 use crate::quantities::{INPUT_TORQUE, Quantity};
-use crate::rules::Rules;
 use crate::shown::{Finding, Kind, Named};
 use crate::verdict::{Against, Assessment, Verdict};
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
@@ -16,13 +15,7 @@ use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 type Entries<'a> = Vec<(&'a str, &'a PairEntry)>;
 
 /// Returns one finding for each participant of [`Rules::brought`] and each stated limit; without these, one for all engines.
-pub(crate) fn of(
-    rules: &Rules<'_>,
-    engines: &[EngineSummary],
-    pairs: &[Pair],
-    quantities: &[Quantity],
-    negligible: Negligible,
-) -> Vec<Finding> {
+pub(crate) fn of(engines: &[EngineSummary], pairs: &[Pair], judge: Judge<'_>) -> Vec<Finding> {
     let entries_of = |name: &str| -> Entries<'_> {
         let own = pairs.iter().filter_map(|pair| match name {
             _ if pair.a == name => Some((pair.b.as_str(), pair)),
@@ -32,19 +25,17 @@ pub(crate) fn of(
         own.flat_map(|(other, pair)| pair.entries.iter().map(move |entry| (other, entry)))
             .collect()
     };
+    let Judge {
+        rules, quantities, ..
+    } = judge;
     let brought = engines.iter();
     let brought = brought.filter(|engine| rules.brought.contains(&engine.name.as_str()));
-    let mut findings: Vec<Finding> = brought
-        .map(|engine| participant(engine, &entries_of(&engine.name), quantities))
-        .collect();
-    findings.extend(
-        rules
-            .stated
-            .iter()
-            .map(|row| limit(row, &entries_of(&row.engine))),
-    );
+    let brought = brought.map(|one| participant(one, &entries_of(&one.name), quantities));
+    let stated = rules.stated.iter();
+    let stated = stated.map(|row| limit(row, &entries_of(&row.engine)));
+    let mut findings: Vec<Finding> = brought.chain(stated).collect();
     if findings.is_empty() {
-        findings.push(together(engines, pairs, quantities, negligible));
+        findings.push(together(engines, pairs, judge));
     }
     findings
 }
@@ -74,11 +65,8 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
             }
             _ => String::new(),
         };
-        let what = format!(
-            "{}, {}, from {other}{by}",
-            label(&entry.quantity),
-            entry.window.word()
-        );
+        let (quantity, window) = (label(&entry.quantity), entry.window.word());
+        let what = format!("{quantity}, {window}, from {other}{by}");
         let status = u8::from(of(Verdict::Differ).any(|(_, entry)| entry.result.actionable));
         return named.differs(vec![entry.quantity.clone()], &what, status);
     }
@@ -108,25 +96,22 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
     let labels: Vec<String> = names.iter().map(|name| label(name)).collect();
     let mut what = labels.join(", ");
     if let Some((_, entry)) = open {
-        what += &format!(
-            "; nothing shown of {}: {}",
-            label(&entry.quantity),
-            reason(&entry.result)
-        );
+        let (quantity, why) = (label(&entry.quantity), reason(&entry.result));
+        what += &format!("; nothing shown of {quantity}: {why}");
     }
     named.agrees(names, bound, &what, if open.is_some() { 4 } else { 0 })
 }
 
 /// Evidence for one limit: it has to be judged at least once.
 fn limit(row: &StatedLimit, entries: &Entries<'_>) -> Finding {
-    let name = format!(
-        "{}, limit {} on {} ({}, {})",
-        row.engine,
-        row.limit,
-        row.quantity,
-        row.window.word(),
-        row.metric.key()
-    );
+    let StatedLimit {
+        engine,
+        quantity,
+        limit,
+        ..
+    } = row;
+    let (window, metric) = (row.window.word(), row.metric.key());
+    let name = format!("{engine}, limit {limit} on {quantity} ({window}, {metric})");
     let named = Named {
         name: &name,
         kind: Kind::Limit,
@@ -160,12 +145,7 @@ fn limit(row: &StatedLimit, entries: &Entries<'_>) -> Finding {
 }
 
 /// Evidence where the user brought nothing: a pair of engines that agrees in each headline quantity.
-fn together(
-    engines: &[EngineSummary],
-    pairs: &[Pair],
-    quantities: &[Quantity],
-    negligible: Negligible,
-) -> Finding {
+fn together(engines: &[EngineSummary], pairs: &[Pair], judge: Judge<'_>) -> Finding {
     let named = Named {
         name: "engines",
         kind: Kind::Engines,
@@ -175,13 +155,19 @@ fn together(
         let of = figures.filter_map(|figures| figures.quantities.get(&quantity.name));
         of.fold(0.0_f64, |most, of| most.max(of.peak))
     };
-    let is_rounding = |q: &Quantity| negligible.below(q).is_some_and(|least| largest(q) < least);
+    let is_rounding = |q: &Quantity| {
+        judge
+            .negligible
+            .below(q)
+            .is_some_and(|least| largest(q) < least)
+    };
     let is_headline =
         |q: &&Quantity| [INPUT_TORQUE, EXTERNAL_FORCE, INTERNAL_FORCE].contains(&q.name.as_str());
-    let mut headline: Vec<&Quantity> = quantities.iter().filter(is_headline).collect();
+    let quantities = judge.quantities.iter();
+    let mut headline: Vec<&Quantity> = quantities.clone().filter(is_headline).collect();
     if headline.is_empty() {
         // Time series without gearbox quantities.
-        headline = quantities.iter().collect();
+        headline = quantities.collect();
     }
     headline.retain(|q| !is_rounding(q));
     if headline.is_empty() {
@@ -196,17 +182,13 @@ fn together(
             let agree = entries.filter(|entry| {
                 entry.quantity == quantity.name && entry.result.verdict == Verdict::Agree
             });
-            agree
-                .filter_map(|entry| entry.result.bound)
-                .reduce(f64::min)
+            let bounds = agree.filter_map(|entry| entry.result.bound);
+            bounds.reduce(f64::min)
         });
         each.reduce(|a, b| Some(a?.max(b?))).flatten()
     };
-    let pairs_of_engines = || {
-        pairs
-            .iter()
-            .filter(|pair| pair.track != SharedModel::Measured)
-    };
+    let is_of_engines = |pair: &&Pair| pair.track != SharedModel::Measured;
+    let pairs_of_engines = || pairs.iter().filter(is_of_engines);
     let agreeing = pairs_of_engines().filter_map(|pair| Some((pair, bound(pair)?)));
     // Agreement of two native runs is the weakest evidence.
     let best = agreeing.min_by(|(a, to_a), (b, to_b)| {
@@ -239,9 +221,8 @@ fn together(
 
 /// Name in lower case for a sentence.
 fn label(quantities: &[Quantity], name: &str) -> String {
-    let mut all = quantities.iter();
-    all.find(|q| q.name == name)
-        .map_or_else(|| name.to_owned(), |q| q.label.to_lowercase())
+    let known = quantities.iter().find(|q| q.name == name);
+    known.map_or_else(|| name.to_owned(), |q| q.label.to_lowercase())
 }
 
 /// Reason and remedy of an assessment.

@@ -21,6 +21,10 @@ pub(crate) struct Judge<'a> {
     pub(crate) rules: &'a Rules<'a>,
     /// Facts of the scene, with its friction and divergence horizon.
     pub(crate) context: &'a Context,
+    /// Windows of the runs.
+    pub(crate) windows: &'a [Window],
+    /// Quantities of all time series.
+    pub(crate) quantities: &'a [Quantity],
     /// Force (N) and torque (N m) below which a load is rounding.
     pub(crate) negligible: Negligible,
 }
@@ -81,7 +85,7 @@ pub(crate) struct Sides<'a> {
     pub(crate) b: &'a Participant,
 }
 
-/// One quantity of a pair in one window.
+/// Quantity of a pair in one window.
 pub(crate) struct Case<'a> {
     pub(crate) sides: Sides<'a>,
     pub(crate) quantity: &'a Quantity,
@@ -230,18 +234,11 @@ impl Judge<'_> {
             let own = [a, b]
                 .into_iter()
                 .filter(|p| p.track != SharedModel::Native);
-            let Some(tolerances) = own
-                .map(|p| tolerance(p, metric))
-                .collect::<Option<Vec<&ModelTolerance>>>()
-            else {
-                continue;
-            };
-            let energy = tolerances
-                .iter()
-                .any(|t| t.predicted == Prediction::LawEnergy);
-            let predicted = energy
-                .then(|| model::predicted(a, b, case.window))
-                .flatten();
+            let own: Option<Vec<&ModelTolerance>> = own.map(|p| tolerance(p, metric)).collect();
+            let Some(tolerances) = own else { continue };
+            let mut predictions = tolerances.iter().map(|t| t.predicted);
+            let energy = predictions.any(|of| of == Prediction::LawEnergy);
+            let predicted = model::predicted(a, b, case.window).filter(|_| energy);
             // A prediction has a sign, so the difference compared with it needs one too.
             let distance = match predicted {
                 Some(_) => case.metrics.signed_mean_difference(),
@@ -289,12 +286,9 @@ impl Judge<'_> {
             let mut sides = case.sides(metric);
             sides[1 - simulation] = Side::known(data, Estimate::stated(stated.data));
             let plain = metric.of(case.metrics);
+            let signed = case.metrics.signed_mean_difference();
             let distance = match metric {
-                Metric::Mean => case
-                    .metrics
-                    .signed_mean_difference()
-                    .map(|d| sign * d)
-                    .or(plain),
+                Metric::Mean => signed.map(|d| sign * d).or(plain),
                 _ => plain,
             };
             let found = match (distance, sides[simulation].u()) {
@@ -335,10 +329,8 @@ impl Judge<'_> {
         };
         let share = |torque: f64| torque / load_n_m.abs();
         let rounding = share(self.negligible.torque_n_m + balance.rounding);
-        let (quadrature, own) = (
-            share(balance.quadrature),
-            share(u.and_then(Uncertainty::u).unwrap_or(0.0)),
-        );
+        let own = share(u.and_then(Uncertainty::u).unwrap_or(0.0));
+        let quadrature = share(balance.quadrature);
         if quadrature > self.rules.resolution {
             return Assessment::not_compared(format!(
                 "the samples are too far apart for the mean output torque, which is uncertain by {quadrature:.1e} of the load"

@@ -42,7 +42,6 @@ pub const NEGLIGIBLE_SHARE: f64 = 1e-11;
 
 /// True if `text` fits one of the alternatives of `pattern`.
 pub fn fits(pattern: &str, text: &str) -> bool {
-    pattern
-        .split('|')
-        .any(|one| pinwheel_files::fits(one, text))
+    let mut each = pattern.split('|');
+    each.any(|one| pinwheel_files::fits(one, text))
 }

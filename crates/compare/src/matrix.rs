@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 
 use crate::comparison::{Cell, Matrix, Pair};
+use crate::judge::Judge;
 use crate::metrics::Metric;
 use crate::participant::{Participant, SharedModel};
 use crate::quantities::Quantity;
@@ -22,16 +23,9 @@ pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<SharedModel> 
 }
 
 /// Returns one matrix per shared model and window. `native` has one only if no other model does.
-pub(crate) fn matrices(
-    finished: &[&Participant],
-    pairs: &[Pair],
-    quantities: &[Quantity],
-    windows: &[Window],
-) -> Vec<Matrix> {
-    let foreign = finished.iter().map(|p| p.track);
-    let mut tracks: BTreeSet<SharedModel> = foreign
-        .filter(|track| *track != SharedModel::Native)
-        .collect();
+pub(crate) fn matrices(finished: &[&Participant], pairs: &[Pair], judge: Judge<'_>) -> Vec<Matrix> {
+    let mut tracks: BTreeSet<SharedModel> = finished.iter().map(|p| p.track).collect();
+    tracks.remove(&SharedModel::Native);
     if tracks.is_empty() {
         tracks.insert(SharedModel::Native);
     }
@@ -43,10 +37,11 @@ pub(crate) fn matrices(
         if engines.len() < 2 {
             continue;
         }
-        for window in windows {
+        for window in judge.windows {
             let places =
                 (1..engines.len()).flat_map(|row| (0..row).map(move |column| [row, column]));
-            let cells = places.filter_map(|place| cell(place, &engines, pairs, quantities, window));
+            let cells =
+                places.filter_map(|place| cell(place, &engines, pairs, judge.quantities, window));
             matrices.push(Matrix {
                 track,
                 window: window.kind,

@@ -204,9 +204,7 @@ impl PairMetrics {
             sprague_geers_c: sprague_geers::comprehensive(a, b),
         })
     }
-}
 
-impl PairMetrics {
     /// Returns the reference size of an uncertainty in a norm, in the quantity's unit: the larger figure of the two runs.
     pub(crate) fn larger(&self, norm: Norm) -> Option<f64> {
         match norm {

@@ -15,18 +15,17 @@ use crate::windows::{FEWEST_SAMPLES, Window};
 use crate::{CompareError, grid};
 use pinwheel_timeseries::norms::View;
 
+/// Compares two engines in each window and quantity.
 pub(crate) fn pair(
     sides: Sides<'_>,
     engines: &[EngineSummary],
-    windows: &[Window],
-    quantities: &[Quantity],
     judge: Judge<'_>,
 ) -> Result<Pair, CompareError> {
     let Sides { track, a, b } = sides;
     let common = grid::common(a, b)?;
     let mut entries = Vec::new();
-    for window in windows {
-        for quantity in quantities {
+    for window in judge.windows {
+        for quantity in judge.quantities {
             entries.extend(pair_entry(sides, engines, &common, window, quantity, judge));
         }
     }
@@ -79,9 +78,9 @@ fn pair_entry(
         .zip(of_a.time_s().get(samples))
         .and_then(|((of_a, of_b), time_s)| PairMetrics::of(&of_a, &of_b, time_s));
     let Some(metrics) = metrics else {
+        let name = &quantity.name;
         return unjudged(format!(
-            "`{}` has channels that only one of the two has",
-            quantity.name
+            "`{name}` has channels that only one of the two has"
         ));
     };
     let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {

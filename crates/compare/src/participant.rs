@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::windows::Window;
 
-/// One engine's run.
+/// Run of an engine.
 #[derive(Debug, Clone)]
 pub struct Participant {
     /// Engine name, unique within a comparison.
@@ -91,7 +91,7 @@ pub struct Divergence {
     pub horizon_s: Option<f64>,
     /// Largest difference, as a share of the largest force.
     pub largest_share: f64,
-    /// One sentence for readers: the measurement and its consequence.
+    /// Sentence for readers: the measurement and its consequence.
     pub told: String,
 }
 

@@ -83,24 +83,20 @@ pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<
     let mut found: Vec<(Quantity, Members)> = Vec::new();
     for channel in time_series.into_iter().flat_map(TimeSeries::channels) {
         let (name, number) = group_of(&channel.name);
-        let place = found
-            .iter()
-            .position(|(q, _)| q.name == name)
-            .unwrap_or_else(|| {
-                found.push((Quantity::new(name), Vec::new()));
-                found.len() - 1
-            });
+        let known = found.iter().position(|(q, _)| q.name == name);
+        let place = known.unwrap_or_else(|| {
+            found.push((Quantity::new(name), Vec::new()));
+            found.len() - 1
+        });
         let members = &mut found[place].1;
         if !members.iter().any(|(_, known)| *known == channel.name) {
             members.push((number, channel.name.clone()));
         }
     }
-    found
-        .into_iter()
-        .map(|(mut quantity, mut members)| {
-            members.sort();
-            quantity.channels = members.into_iter().map(|(_, name)| name).collect();
-            quantity
-        })
-        .collect()
+    let with_channels = |(mut quantity, mut members): (Quantity, Members)| {
+        members.sort();
+        quantity.channels = members.into_iter().map(|(_, name)| name).collect();
+        quantity
+    };
+    found.into_iter().map(with_channels).collect()
 }

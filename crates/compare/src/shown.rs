@@ -45,7 +45,7 @@ pub struct Finding {
     pub agrees_to: Option<f64>,
     /// Contribution to the program's exit status: 0, 1 or 4.
     pub status: u8,
-    /// One sentence for readers, which begins with the name.
+    /// Sentence for readers, which begins with the name.
     pub line: String,
 }
 
@@ -75,14 +75,11 @@ impl Named<'_> {
         what: &str,
         status: u8,
     ) -> Finding {
+        let words = format!("agrees to {bound:.1e} ({what})");
         Finding {
             quantities,
             agrees_to: Some(bound),
-            ..self.finding(
-                Shown::Agrees,
-                &format!("agrees to {bound:.1e} ({what})"),
-                status,
-            )
+            ..self.finding(Shown::Agrees, &words, status)
         }
     }
 

@@ -60,9 +60,6 @@ pub fn sprague_geers(course: &View<'_>, base: &View<'_>) -> Option<SpragueGeers>
 
 /// Returns C without direction: M is that of the larger signal relative to the smaller.
 pub fn comprehensive(a: &View<'_>, b: &View<'_>) -> Option<f64> {
-    Some(
-        sprague_geers(a, b)?
-            .comprehensive
-            .max(sprague_geers(b, a)?.comprehensive),
-    )
+    let [ab, ba] = [sprague_geers(a, b)?, sprague_geers(b, a)?];
+    Some(ab.comprehensive.max(ba.comprehensive))
 }

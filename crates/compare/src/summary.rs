@@ -39,38 +39,34 @@ pub(crate) fn uncertainty(
     judge: Judge<'_>,
 ) -> Option<QuantityUncertainty> {
     let evidence = judge.rules.evidence_of(&participant.name)?;
-    // A quantity that is rounding alone gets no sharper by refinement, and its runs show no order.
-    if let Source::Refinement(_) = evidence.source
-        && let Some(below) = judge.negligible.below(quantity)
-        && let Some(view) = View::of(
+    let own = || {
+        View::of(
             &participant.time_series,
             &quantity.channels,
             samples.clone(),
         )
+    };
+    let new = |norms, share| QuantityUncertainty::new(&quantity.name, window.kind, norms, share);
+    let everywhere = |what: Uncertainty| new([(); 5].map(|()| what.clone()), None);
+    // A quantity that is rounding alone gets no sharper by refinement, and its runs show no order.
+    if let Source::Refinement(_) = evidence.source
+        && let Some(below) = judge.negligible.below(quantity)
+        && let Some(view) = own()
         && Statistics::of(&view).is_some_and(|own| own.peak < below)
     {
-        let rounding = Estimate {
+        return Some(everywhere(Uncertainty::Known(Estimate {
             basis: Basis::Rounding,
             ..Estimate::stated(below)
-        };
-        let known = Uncertainty::Known(rounding);
-        return Some(QuantityUncertainty::everywhere(
-            &quantity.name,
-            window.kind,
-            &known,
-        ));
+        })));
     }
-    let missing = |missing: &Unresolved| {
-        let what = Uncertainty::Unknown(missing.clone());
-        QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
-    };
+    let missing = |why: &Unresolved| everywhere(Uncertainty::Unknown(why.clone()));
     Some(match &evidence.source {
         Source::Refinement(ladder) => {
             let floor = floor(participant, judge.context);
             let pointwise = judge.context.is_pointwise(window.to_s);
             let (finest, channels) = (&participant.time_series, &quantity.channels);
             match ladder.estimate(finest, channels, &samples, floor, pointwise) {
-                Ok(found) => QuantityUncertainty::of_estimates(&quantity.name, window.kind, found),
+                Ok(found) => new(found.norms.map(Uncertainty::from), found.relative_l2),
                 Err(unresolved) => missing(&unresolved),
             }
         }
@@ -83,27 +79,20 @@ pub(crate) fn uncertainty(
             });
             match record {
                 Some(record) => {
-                    let own = View::of(&participant.time_series, &quantity.channels, samples);
-                    let rms = own.and_then(|view| view.rms());
-                    QuantityUncertainty::of_record(record, window.kind, rms)
+                    let rms = own().and_then(|view| view.rms());
+                    let share = record.l2.zip(rms).map(|(u, rms)| u / rms);
+                    new(record.norms().map(Uncertainty::recorded), share)
                 }
-                None => missing(&Unresolved::new(
-                    "its recording holds no uncertainty of this window",
-                    "record it again, or run it live",
-                )),
+                None => {
+                    let why = "its recording holds no uncertainty of this window";
+                    missing(&Unresolved::new(why, "record it again, or run it live"))
+                }
             }
         }
         Source::Exact(share) => {
-            let statistics = View::of(&participant.time_series, &quantity.channels, samples)
-                .and_then(|view| Statistics::of(&view));
+            let Statistics { peak, rms, .. } = Statistics::of(&own()?)?;
             let of = |size: f64| Uncertainty::Known(Estimate::stated(share * size));
-            let own = statistics?;
-            QuantityUncertainty {
-                linf: of(own.peak),
-                peak: of(own.peak),
-                relative_l2: Some(*share),
-                ..QuantityUncertainty::everywhere(&quantity.name, window.kind, &of(own.rms))
-            }
+            new([rms, peak, rms, peak, rms].map(of), Some(*share))
         }
         Source::Unknown(unresolved) => missing(unresolved),
     })
@@ -117,16 +106,18 @@ pub fn uncertainties(
 ) -> Vec<(Window, QuantityUncertainty)> {
     let time_series = &participant.time_series;
     let quantities = quantities::derive([time_series]);
+    let settling_s = context.settling_s.unwrap_or(SETTLING_S);
+    let (windows, _) = windows::windows(time_series, settling_s, &context.load_changes_s);
     let judge = Judge {
         rules: &Rules {
             evidence: std::slice::from_ref(evidence),
             ..Rules::default()
         },
         context,
+        windows: &windows,
+        quantities: &quantities,
         negligible: Negligible::of(context, &[participant], &quantities),
     };
-    let settling_s = context.settling_s.unwrap_or(SETTLING_S);
-    let (windows, _) = windows::windows(time_series, settling_s, &context.load_changes_s);
     let each = windows.iter().flat_map(|window| {
         let samples = time_series.window(window.from_s, window.to_s);
         quantities.iter().filter_map(move |quantity| {
@@ -139,26 +130,20 @@ pub fn uncertainties(
     each.collect()
 }
 
-pub(crate) fn engine_summary(
-    participant: &Participant,
-    windows: &[Window],
-    quantities: &[Quantity],
-    judge: Judge<'_>,
-) -> EngineSummary {
+pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> EngineSummary {
     let (mut all_figures, mut judged, mut uncertainties) = (Vec::new(), Vec::new(), Vec::new());
     let finished = participant.status.is_finished();
-    for window in windows.iter().filter(|_| finished) {
-        let figures = figures(participant, window, quantities, judge);
+    for window in judge.windows.iter().filter(|_| finished) {
+        let figures = figures(participant, window, judge);
         let samples = participant.time_series.window(window.from_s, window.to_s);
-        let there = quantities
-            .iter()
-            .filter(|q| figures.quantities.contains_key(&q.name));
+        let there = judge.quantities.iter();
+        let there = there.filter(|q| figures.quantities.contains_key(&q.name));
         let found: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         if let Some(of_output) = judge.context.output(window)
             && participant.track != SharedModel::Measured
-            && quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
+            && judge.quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
         {
             let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
@@ -188,25 +173,16 @@ pub(crate) fn engine_summary(
     }
 }
 
-fn figures(
-    participant: &Participant,
-    window: &Window,
-    quantities: &[Quantity],
-    judge: Judge<'_>,
-) -> Figures {
+fn figures(participant: &Participant, window: &Window, judge: Judge<'_>) -> Figures {
     let time_series = &participant.time_series;
-    let samples = covered(
-        &[(participant, time_series)],
-        time_series.window(window.from_s, window.to_s),
-    );
-    let found = quantities.iter().filter_map(|quantity| {
+    let samples = time_series.window(window.from_s, window.to_s);
+    let samples = covered(&[(participant, time_series)], samples);
+    let found = judge.quantities.iter().filter_map(|quantity| {
         let quantity = &shared(quantity, &[participant]);
         let (name, samples) = (&quantity.name, samples.clone());
         let found = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
-        Some((
-            (name.clone(), found.statistics),
-            (name.clone(), found.sampling),
-        ))
+        let named = |of: Statistics| (name.clone(), of);
+        Some((named(found.statistics), named(found.sampling)))
     });
     let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = found.unzip();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
@@ -269,10 +245,8 @@ fn efficiency(
 /// Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants
-        .iter()
-        .any(|p| p.track == SharedModel::Measured)
-    {
+    let is_measured = |p: &&Participant| p.track == SharedModel::Measured;
+    if participants.iter().any(is_measured) {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.time_series.channel(name).is_some();
             participants.iter().all(has)

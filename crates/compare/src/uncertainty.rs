@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::windows::{Window, WindowKind};
 pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
-pub use pinwheel_timeseries::ladder::{Estimates, Ladder, Level};
+pub use pinwheel_timeseries::ladder::{Ladder, Level};
 
 /// Uncertainty of one figure, or the reason why it is unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,6 +32,12 @@ impl Uncertainty {
     /// Returns the uncertainty in the unit of the quantity; `None` if unknown.
     pub fn u(&self) -> Option<f64> {
         self.estimate().map(|e| e.u)
+    }
+
+    /// Returns the uncertainty of a recording.
+    pub(crate) fn recorded(u: Option<f64>) -> Self {
+        let missing = || Unresolved::new("it was not known when it was recorded", "run it live");
+        u.map(Estimate::stated).ok_or_else(missing).into()
     }
 }
 
@@ -104,38 +110,14 @@ impl QuantityUncertainty {
         }
     }
 
-    /// Returns the uncertainty of a recorded quantity whose root mean square in this window is `rms`.
-    pub(crate) fn of_record(
-        record: &RecordedUncertainty,
+    /// Makes an uncertainty from those in each norm, and from `l2` as a share, which counts if it is finite.
+    pub(crate) fn new(
+        quantity: &str,
         window: WindowKind,
-        rms: Option<f64>,
+        norms: [Uncertainty; 5],
+        relative_l2: Option<f64>,
     ) -> Self {
-        let known = |u: Option<f64>| match u {
-            Some(u) => Uncertainty::Known(Estimate::stated(u)),
-            None => Uncertainty::Unknown(Unresolved::new(
-                "it was not known when it was recorded",
-                "run it live",
-            )),
-        };
-        Self {
-            quantity: record.quantity.clone(),
-            window,
-            l2: known(record.l2),
-            linf: known(record.linf),
-            mean: known(record.mean),
-            peak: known(record.peak),
-            rms: known(record.rms),
-            relative_l2: record
-                .l2
-                .zip(rms)
-                .map(|(u, rms)| u / rms)
-                .filter(|share| share.is_finite()),
-        }
-    }
-
-    /// Returns the uncertainty of a quantity from the estimates of a ladder.
-    pub(crate) fn of_estimates(quantity: &str, window: WindowKind, found: Estimates) -> Self {
-        let [l2, linf, mean, peak, rms] = found.norms.map(Uncertainty::from);
+        let [l2, linf, mean, peak, rms] = norms;
         Self {
             quantity: quantity.to_owned(),
             window,
@@ -144,21 +126,7 @@ impl QuantityUncertainty {
             mean,
             peak,
             rms,
-            relative_l2: found.relative_l2,
-        }
-    }
-
-    /// Returns an uncertainty that is `what` in every norm.
-    pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
-        Self {
-            quantity: quantity.to_owned(),
-            window,
-            l2: what.clone(),
-            linf: what.clone(),
-            mean: what.clone(),
-            peak: what.clone(),
-            rms: what.clone(),
-            relative_l2: None,
+            relative_l2: relative_l2.filter(|share| share.is_finite()),
         }
     }
 }

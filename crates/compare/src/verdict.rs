@@ -12,7 +12,7 @@ use crate::uncertainty::{Estimate, Unresolved};
 use crate::validation::Budget;
 
 /// Conclusion from a difference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Difference within the bound.
@@ -22,6 +22,7 @@ pub enum Verdict {
     /// Numerical uncertainty too large or unknown, so that neither agreement nor difference follows.
     Inconclusive,
     /// No bound exists for the difference.
+    #[default]
     NotCompared,
 }
 
@@ -38,10 +39,11 @@ impl Verdict {
 }
 
 /// Kind of bound with which a difference is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// Numerical uncertainty of both engines.
+    #[default]
     NumericalError,
     /// Numerical uncertainty and the stated tolerance of an engine's contact model.
     ModelTolerance,
@@ -64,7 +66,7 @@ impl Against {
 }
 
 /// Verdict with its evidence. All figures are relative, as the metric is (see [`Metric`]).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Assessment {
     /// Verdict on the difference.
     pub verdict: Verdict,
@@ -117,22 +119,9 @@ impl Assessment {
     /// Returns the assessment of a difference without a bound, with the reason.
     pub fn not_compared(reason: impl Into<String>) -> Self {
         Self {
-            verdict: Verdict::NotCompared,
-            against: Against::NumericalError,
-            metric: None,
-            difference: None,
-            predicted: 0.0,
-            bound: None,
-            tolerance: None,
-            u_a: None,
-            u_b: None,
-            budget: None,
-            participant: None,
             reason: reason.into(),
-            remedy: String::new(),
-            actionable: false,
-            group: "",
             decides: true,
+            ..Self::default()
         }
     }
 
@@ -362,9 +351,9 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
         Ok(sum) => sum,
         Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
-    let confirmed = sides
-        .iter()
-        .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
+    let is_confirmed = |of: &Estimate| of.basis.is_confirmed();
+    let mut known = sides.iter().map(|side| side.uncertainty.as_ref());
+    let confirmed = known.all(|known| known.is_ok_and(is_confirmed));
     // A sum that is NaN does not count as sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
@@ -389,14 +378,9 @@ fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f6
     let (blunt, other) = if a.u() >= b.u() { (a, b) } else { (b, a) };
     let target = (resolution - other.u().unwrap_or(0.0)).max(resolution / 2.0);
     let estimate = blunt.uncertainty.as_ref().ok();
-    let remedy = match estimate.and_then(|e| e.refinement_for(target)) {
-        Some(factor) => format!(
-            "refine {} {} times",
-            blunt.name,
-            (factor * 10.0).ceil() / 10.0
-        ),
-        None => format!("refine {}", blunt.name),
-    };
+    let factor = estimate.and_then(|e| e.refinement_for(target));
+    let times = factor.map(|factor| format!(" {} times", (factor * 10.0).ceil() / 10.0));
+    let remedy = format!("refine {}{}", blunt.name, times.unwrap_or_default());
     let reason = format!("U = {sum:.1e} is above the resolution of {resolution:.0e}");
     found.inconclusive(blunt.name, reason, remedy)
 }

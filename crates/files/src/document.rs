@@ -24,9 +24,8 @@ pub fn read_text(path: &Path, remedy: &str) -> Result<String, FileError> {
     // The size is not queried in advance: a pipe or a device has none and may never end.
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(unreadable)?;
-    file.take(MOST_BYTES as u64 + 1)
-        .read_to_end(&mut bytes)
-        .map_err(unreadable)?;
+    let mut file = file.take(MOST_BYTES as u64 + 1);
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
     too_long(bytes.len(), &name, remedy)?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
@@ -72,12 +71,8 @@ fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
     let remedy = if !value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
         remedy.to_owned()
     } else if value.contains(',') {
-        let point = value
-            .split('#')
-            .next()
-            .unwrap_or_default()
-            .trim()
-            .replacen(',', ".", 1);
+        let number = value.split('#').next().unwrap_or_default();
+        let point = number.trim().replacen(',', ".", 1);
         match point.strip_suffix('.') {
             Some(number) => format!("leave the comma out: {number}"),
             None => format!("write a decimal point: {point}"),
@@ -211,12 +206,9 @@ impl<'t> Node<'t> {
     pub fn value(&self) -> Value {
         match self {
             Self::Table(entries) => {
-                let values = entries.iter();
-                Value::Table(
-                    values
-                        .map(|(key, item)| (key.clone(), item.node.value()))
-                        .collect(),
-                )
+                let entries = entries.iter();
+                let values = entries.map(|(key, item)| (key.clone(), item.node.value()));
+                Value::Table(values.collect())
             }
             Self::List(list) => Value::Array(list.iter().map(|item| item.node.value()).collect()),
             Self::Plain(value) => value.clone(),

@@ -19,18 +19,14 @@ fn prefix() -> String {
 
 /// Creates a folder in `beside` that only its owner may enter.
 pub(crate) fn folder(beside: &Path) -> io::Result<TempDir> {
-    made(beside, &prefix(), 0o700)
+    builder(&prefix(), 0o700).tempdir_in(beside)
 }
 
 /// Creates a file for `path` in the nearest existing folder above it.
 pub(crate) fn file(path: &Path) -> io::Result<NamedTempFile> {
-    let (prefix, mut builder) = (prefix(), Builder::new());
-    builder.prefix(&prefix);
-    // Subject to the user's umask.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let path = std::path::absolute(path)?;
-    builder.tempfile_in(nearest_existing(path.parent().unwrap_or(&path)))
+    let beside = nearest_existing(path.parent().unwrap_or(&path));
+    builder(&prefix(), 0o666).tempfile_in(beside)
 }
 
 /// Creates an empty folder in `folder` whose name begins with `prefix`, with the mode of a plain mkdir; it is deleted when
@@ -39,18 +35,18 @@ pub(crate) fn file(path: &Path) -> io::Result<NamedTempFile> {
 /// # Errors
 /// The folder cannot be written.
 pub fn draft_in(folder: &Path, prefix: &str) -> io::Result<TempDir> {
-    made(folder, prefix, 0o777)
+    builder(prefix, 0o777).tempdir_in(folder)
 }
 
-/// Creates a folder with a mode, reduced by the user's umask.
-fn made(beside: &Path, prefix: &str, mode: u32) -> io::Result<TempDir> {
+/// Returns a builder of files and folders with a mode, which the user's umask reduces.
+fn builder(prefix: &str, mode: u32) -> Builder<'_, '_> {
     let mut builder = Builder::new();
     builder.prefix(prefix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
     #[cfg(not(unix))]
     let _ = mode;
-    builder.tempdir_in(beside)
+    builder
 }
 
 /// Lists the drafts in `folder` whose process no longer exists on this machine.
@@ -58,10 +54,8 @@ pub fn leftovers(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let left = entries.filter(|entry| {
         let name = entry.file_name();
-        let process = name
-            .to_str()
-            .and_then(|name| name.strip_prefix(PREFIX)?.split_once('-'))
-            .and_then(|(process, _)| process.parse().ok());
+        let rest = name.to_str().and_then(|name| name.strip_prefix(PREFIX));
+        let process = rest.and_then(|rest| rest.split_once('-')?.0.parse().ok());
         process.is_some_and(|process| !is_alive(process))
     });
     let mut left: Vec<PathBuf> = left.map(|entry| entry.path()).collect();
@@ -86,10 +80,8 @@ fn is_alive(process: i32) -> bool {
 
 /// Returns the path or the nearest existing folder above it.
 pub(crate) fn nearest_existing(path: &Path) -> PathBuf {
-    path.ancestors()
-        .find(|part| part.exists())
-        .unwrap_or(path)
-        .to_owned()
+    let existing = path.ancestors().find(|part| part.exists());
+    existing.unwrap_or(path).to_owned()
 }
 
 /// Opens a regular file; refuses links and pipes.

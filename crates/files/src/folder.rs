@@ -145,9 +145,8 @@ impl Folder {
     /// Errors of [`publish`](Self::publish).
     pub fn publish_partial(mut self) -> Result<PathBuf, FolderError> {
         let numbered = (2..100).map(|number| format!(".partial-{number}"));
-        let mut endings = [String::new(), ".partial".to_owned()]
-            .into_iter()
-            .chain(numbered);
+        let first = [String::new(), ".partial".to_owned()].into_iter();
+        let mut endings = first.chain(numbered);
         let free = |ending: &String| {
             let place = beside(&self.target, ending);
             let complete = Manifest::of(&place).is_some_and(|manifest| manifest.complete);
@@ -215,9 +214,7 @@ fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
         match fs::symlink_metadata(&below) {
             Ok(_) => return Err(refused(out, "is a link to nothing, or leads through one")),
             // Below a file the draft reports the fault.
-            Err(error)
-                if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory]
-                    .contains(&error.kind()) => {}
+            Err(error) if NOTHING.contains(&error.kind()) => {}
             // For example a name that is too long.
             Err(error) => return Err(not_found(error)),
         }
@@ -235,6 +232,9 @@ fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
     })
 }
 
+/// Errors of a place without a file or folder.
+const NOTHING: [io::ErrorKind; 2] = [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory];
+
 /// Refuses a target because of its location.
 fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
     let within = |path: &Path| {
@@ -248,9 +248,8 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
     let mut inputs = request.inputs.iter().filter(|_| target.is_dir());
     if let Some(input) = inputs.find(|path| within(path)) {
         let input = input.display();
-        let reason =
-            format!("holds {input}, which is read, and an output folder is replaced as a whole");
-        return Err(refused(shown, reason));
+        let whole = "which is read, and an output folder is replaced as a whole";
+        return Err(refused(shown, format!("holds {input}, {whole}")));
     }
     #[cfg(unix)]
     {
@@ -269,9 +268,8 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
 fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
     let unread = |error: io::Error| refused(shown, format!("cannot be read: {error}"));
     match fs::symlink_metadata(place) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        // The draft reports it with a better message.
-        Err(error) if error.kind() == io::ErrorKind::NotADirectory => return Ok(()),
+        // Below a file the draft reports the fault with a better message.
+        Err(error) if NOTHING.contains(&error.kind()) => return Ok(()),
         Err(error) => return Err(unread(error)),
         Ok(at) if !at.is_dir() => return Err(refused(shown, "is not a folder")),
         Ok(at) if at.permissions().readonly() => return Err(refused(shown, "may only be read")),
@@ -294,10 +292,10 @@ fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderEr
         return Err(refused(shown, "is there already"));
     }
     match stranger(place).map_err(unread)? {
-        Some(Stranger::Foreign(name)) => Err(refused(
-            shown,
-            format!("holds `{name}`, which is not known to be pinwheel's"),
-        )),
+        Some(Stranger::Foreign(name)) => {
+            let reason = format!("holds `{name}`, which is not known to be pinwheel's");
+            Err(refused(shown, reason))
+        }
         Some(Stranger::Changed(name)) if !request.force => Err(kept(format!(
             "holds `{name}`, which was changed after pinwheel wrote it"
         ))),
@@ -368,10 +366,9 @@ pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
 
 /// Returns a page, or the page in a folder.
 pub fn page_at(place: &Path) -> Option<PathBuf> {
-    let page = if place.is_dir() {
-        place.join(PAGE)
-    } else {
-        place.to_owned()
+    let page = match place.is_dir() {
+        true => place.join(PAGE),
+        false => place.to_owned(),
     };
     page.is_file().then_some(page)
 }

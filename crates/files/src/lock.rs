@@ -63,11 +63,8 @@ impl Lock {
             file,
         };
         let text = format!("process {} (`{command}`)\n", std::process::id());
-        if let Err(error) = lock
-            .file
-            .set_len(0)
-            .and_then(|()| (&lock.file).write_all(text.as_bytes()))
-        {
+        let cleared = lock.file.set_len(0);
+        if let Err(error) = cleared.and_then(|()| (&lock.file).write_all(text.as_bytes())) {
             if new {
                 lock.remove();
             }

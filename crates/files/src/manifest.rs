@@ -156,23 +156,15 @@ impl Written {
         let write = synced && !cfg!(unix);
         let mut file = open_plain(path, File::options().read(true).write(write))?;
         let (mut hash, mut bytes, mut block) = (Sha256::new(), 0, vec![0; 1 << 16]);
-        loop {
-            match file.read(&mut block)? {
-                0 => break,
-                read => {
-                    hash.update(&block[..read]);
-                    bytes += read as u64;
-                }
-            }
+        while let read @ 1.. = file.read(&mut block)? {
+            hash.update(&block[..read]);
+            bytes += read as u64;
         }
         if synced {
             file.sync_all()?;
         }
-        let sha256 = hash
-            .finalize()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let hash = hash.finalize();
+        let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { bytes, sha256 })
     }
 }

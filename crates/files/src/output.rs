@@ -31,23 +31,15 @@ impl OutputError {
 pub fn reason(error: &dyn Display) -> String {
     let text = error.to_string();
     // Codes ENOSPC, EDQUOT and EFBIG, or their words if a library omits the number.
-    for (signs, words) in [
-        (
-            ["(os error 28)", "No space left on device"],
-            "the disk is full",
-        ),
-        (
-            ["(os error 122)", "Disk quota exceeded"],
-            "the disk quota is used up",
-        ),
-        (
-            ["(os error 27)", "File too large"],
-            "the file is larger than the system allows (ulimit -f)",
-        ),
-    ] {
-        if cfg!(unix) && signs.iter().any(|sign| text.contains(sign)) {
-            return words.to_owned();
-        }
+    let is = |signs: [&str; 2]| cfg!(unix) && signs.iter().any(|sign| text.contains(sign));
+    if is(["(os error 28)", "No space left on device"]) {
+        return "the disk is full".to_owned();
+    }
+    if is(["(os error 122)", "Disk quota exceeded"]) {
+        return "the disk quota is used up".to_owned();
+    }
+    if is(["(os error 27)", "File too large"]) {
+        return "the file is larger than the system allows (ulimit -f)".to_owned();
     }
     text
 }

@@ -19,10 +19,8 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
             let longer = typed.chars().count().max(name.chars().count());
             (distance, 3 * distance <= longer)
         };
-        let (distance, close) = [near(&lower), near(first)]
-            .into_iter()
-            .min_by_key(|(distance, close)| (!close, *distance))
-            .unwrap_or_default();
+        let nearer = |a: (usize, bool), b| std::cmp::min_by_key(a, b, |(d, close)| (!close, *d));
+        let (distance, close) = nearer(near(&lower), near(first));
         let contained =
             typed.len() >= 4 && (lower.contains(&typed) || typed.contains(lower.as_str()));
         (close || contained).then_some((distance, name))

@@ -74,16 +74,9 @@ impl Logger {
         // The message is a printf format, in which a percent sign is doubled.
         let text = message.replace('\0', " ").replace('%', "%%");
         let text = CString::new(text).unwrap_or_default();
+        let [name, category, text] = [&self.name, category, &text].map(|text: &CStr| text.as_ptr());
         // SAFETY: the importer's logger, with the arguments of the standard.
-        unsafe {
-            log(
-                self.environment,
-                self.name.as_ptr(),
-                status,
-                category.as_ptr(),
-                text.as_ptr(),
-            );
-        }
+        unsafe { log(self.environment, name, status, category, text) };
     }
 }
 
@@ -102,11 +95,9 @@ const CANCELLED: u8 = 2;
 impl Unit {
     /// Cancels the step that another thread computes; returns true if there was one.
     fn cancel(&self) -> bool {
-        let order = Ordering::Relaxed;
-        let cancelled = self
-            .step
-            .compare_exchange(STEPPING, CANCELLED, order, order);
-        cancelled.is_ok()
+        let (step, order) = (&self.step, Ordering::Relaxed);
+        step.compare_exchange(STEPPING, CANCELLED, order, order)
+            .is_ok()
     }
 }
 
@@ -268,10 +259,9 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let resources = resources.ok_or("fmi2Instantiate: the resources have no address")?;
         let model = Model::read(&folder(resources))?;
         if guid != Some(model.guid()) {
+            let (given, own) = (guid.unwrap_or("that was given"), model.guid());
             return Err(format!(
-                "fmi2Instantiate: the GUID {} is not that of this unit, {}",
-                guid.unwrap_or("that was given"),
-                model.guid()
+                "fmi2Instantiate: the GUID {given} is not that of this unit, {own}"
             ));
         }
         Ok(Instance::new(Arc::new(model)))

@@ -83,7 +83,7 @@ pub struct Instance {
     prescribed: Prescribed,
     gear: Option<CoSimulation>,
     /// Observation at the present time.
-    seen: Option<(Shafts, Vec<f64>)>,
+    observed: Option<(Shafts, Vec<f64>)>,
 }
 
 impl Instance {
@@ -102,7 +102,7 @@ impl Instance {
             },
             model,
             gear: None,
-            seen: None,
+            observed: None,
         }
     }
 
@@ -111,11 +111,8 @@ impl Instance {
             return Ok(());
         }
         let wanted: Vec<&str> = phases.iter().map(|phase| phase.words()).collect();
-        refused(format!(
-            "{call} was called {}; it may be called {}",
-            self.prescribed.phase.words(),
-            wanted.join(" or ")
-        ))
+        let (now, then) = (self.prescribed.phase.words(), wanted.join(" or "));
+        refused(format!("{call} was called {now}; it may be called {then}"))
     }
 
     /// Sets times and tolerance, as `fmi2SetupExperiment`.
@@ -139,11 +136,9 @@ impl Instance {
                 "fmi2SetupExperiment: a stop at {stop} s does not follow a start at {start_s} s"
             ));
         }
-        if let Some(tolerance) =
-            tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance < 0.1))
-        {
+        if let Some(wrong) = tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance < 0.1)) {
             return refused(format!(
-                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance}"
+                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {wrong}"
             ));
         }
         self.prescribed.tolerance = tolerance;
@@ -196,19 +191,16 @@ impl Instance {
             let holders = self.model.holders(values);
             gear.prescribe(holders.map(|k| (values[k], 0.0)));
             self.prescribed.begun.clone_from(values);
-            (self.gear, self.seen) = (Some(gear), None);
+            (self.gear, self.observed) = (Some(gear), None);
         }
         Ok(())
     }
 
     fn variable(&self, call: &str, reference: u32) -> Result<(usize, &Variable), Refusal> {
         let place = usize::try_from(reference).unwrap_or(usize::MAX);
-        let found = self.model.variables().get(place);
-        found.map(|v| (place, v)).ok_or_else(|| {
-            Refusal(format!(
-                "{call}: there is no variable of value reference {reference}"
-            ))
-        })
+        let none = || format!("{call}: there is no variable of value reference {reference}");
+        let found = self.model.variables().get(place).ok_or_else(none)?;
+        Ok((place, found))
     }
 
     /// Returns the index of a variable; `boolean`: the required type.
@@ -246,9 +238,8 @@ impl Instance {
             return refused(format!("{call}: {name} is an output, which is computed"));
         }
         if !value.is_finite() {
-            return refused(format!(
-                "{call}: {name} must be a finite number, not {value}"
-            ));
+            let what = format!("{call}: {name} must be a finite number, not {value}");
+            return refused(what);
         }
         if let What::Input(input) = variable.what {
             within(call, name, input, value)?;
@@ -282,10 +273,8 @@ impl Instance {
             ));
         }
         if !value.is_finite() {
-            return refused(format!(
-                "{CALL}: {} must be finite, not {value}",
-                variable.name
-            ));
+            let name = &variable.name;
+            return refused(format!("{CALL}: {name} must be finite, not {value}"));
         }
         self.in_phase(CALL, &[Phase::Initialising, Phase::Stepping])?;
         self.prescribed.slopes[place] = value;
@@ -309,7 +298,7 @@ impl Instance {
         let Some(gear) = &mut self.gear else {
             return refused("fmi2GetReal: there is no gear");
         };
-        let (shafts, row) = self.seen.get_or_insert_with(|| {
+        let (shafts, row) = self.observed.get_or_insert_with(|| {
             let mut row = Vec::new();
             (gear.observe(&mut row), row)
         });
@@ -390,7 +379,7 @@ impl Instance {
         }
         gear.prescribe(held);
         self.prescribed.slopes.fill(0.0);
-        self.seen = None;
+        self.observed = None;
         let advanced = gear.advance(to - self.prescribed.start_s, cancelled);
         advanced.map_err(|what| {
             self.prescribed.phase = Phase::Failed;
@@ -413,13 +402,11 @@ impl Instance {
     /// Returns a note if a given tolerance has no effect.
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
-        let fixed = self.gear.as_ref().is_some_and(|gear| !gear.adaptive());
-        fixed.then(|| {
-            format!(
-                "the tolerance {tolerance:e} has no effect on the scene's method ({}); solver.integrator = \"auto\" heeds one",
-                self.method()
-            )
-        })
+        self.gear.as_ref().filter(|gear| !gear.adaptive())?;
+        let method = self.method();
+        Some(format!(
+            "the tolerance {tolerance:e} has no effect on the scene's method ({method}); solver.integrator = \"auto\" heeds one"
+        ))
     }
 
     /// Returns the present time, s.
@@ -467,24 +454,28 @@ impl Instance {
         } else {
             self.gear = None;
         }
-        (self.prescribed, self.seen) = (prescribed, None);
+        (self.prescribed, self.observed) = (prescribed, None);
         Ok(())
     }
 
     /// Reads a saved state, which must be complete and of this model.
     fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
-        let whole = bytes
-            .split_last_chunk::<8>()
-            .filter(|(state, sum)| fnv(state.iter().copied()).to_le_bytes() == **sum);
-        let saved = whole.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
+        let intact =
+            |(state, sum): &(&[u8], &[u8; 8])| fnv(state.iter().copied()).to_le_bytes() == **sum;
+        let state = bytes.split_last_chunk::<8>().filter(intact);
+        let saved = state.and_then(|(state, _)| postcard::from_bytes::<Saved>(state).ok());
         let count = self.model.variables().len();
         let of_this = |saved: &Saved| {
-            let lengths = [
-                &saved.prescribed.values,
-                &saved.prescribed.slopes,
-                &saved.prescribed.begun,
-            ];
-            saved.guid == self.model.guid() && lengths.iter().all(|list| list.len() == count)
+            let Prescribed {
+                values,
+                slopes,
+                begun,
+                ..
+            } = &saved.prescribed;
+            let fits = [values, slopes, begun]
+                .iter()
+                .all(|list| list.len() == count);
+            saved.guid == self.model.guid() && fits
         };
         match saved {
             None => refused("the state is damaged"),

@@ -180,7 +180,7 @@ impl Variable {
     }
 }
 
-/// A scene and its variables.
+/// Scene with its variables.
 #[derive(Debug, Clone)]
 pub struct Model {
     text: String,
@@ -198,15 +198,14 @@ impl Model {
         let path = resources.join(SCENE_FILE);
         let text = std::fs::read_to_string(&path)
             .map_err(|error| format!("{} cannot be read: {error}", path.display()))?;
-        let scene = Scene::from_toml(&text, SCENE_FILE, &[]).map_err(|error| error.to_string())?;
-        let gearbox = Gearbox::new(&scene).map_err(|error| error.to_string())?;
+        let gearbox = compiled(&text, &[])?;
         Self::new(text, gearbox)
     }
 
     /// Makes the model of a compiled scene.
     ///
     /// # Errors
-    /// A scene that the native solver cannot run.
+    /// Reason why the native solver cannot run the scene.
     pub fn of(gearbox: &Gearbox) -> Result<Self, String> {
         Self::new(gearbox.scene.to_toml(), gearbox.clone())
     }
@@ -257,15 +256,11 @@ impl Model {
             let all = self.variables.iter().zip(values);
             all.filter(move |(v, value)| v.what == what && v.start != **value)
         };
-        let sets =
-            changed(What::Key).map(|(v, value)| Override::new(&v.name, format!("{value:e}")));
-        let sets: Vec<Override> = sets.collect();
-        let gearbox = if sets.is_empty() {
-            self.gearbox.clone()
-        } else {
-            let scene = Scene::from_toml(&self.text, SCENE_FILE, &sets);
-            let scene = scene.map_err(|error| error.to_string())?;
-            Gearbox::new(&scene).map_err(|error| error.to_string())?
+        let set = |(v, value): (&Variable, &f64)| Override::new(&v.name, format!("{value:e}"));
+        let sets: Vec<Override> = changed(What::Key).map(set).collect();
+        let gearbox = match sets.is_empty() {
+            true => self.gearbox.clone(),
+            false => compiled(&self.text, &sets)?,
         };
         let own = changed(What::Tolerance).map(|(_, value)| *value).next();
         let input = |input| values[self.place(What::Input(input))];
@@ -306,6 +301,12 @@ impl Model {
     fn flag(&self, values: &[f64], flag: Flag) -> bool {
         values[self.place(What::Flag(flag))] != 0.0
     }
+}
+
+/// Compiles the scene of a unit with other values of keys.
+fn compiled(text: &str, sets: &[Override]) -> Result<Gearbox, String> {
+    let scene = Scene::from_toml(text, SCENE_FILE, sets).map_err(|error| error.to_string())?;
+    Gearbox::new(&scene).map_err(|error| error.to_string())
 }
 
 fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
@@ -376,16 +377,10 @@ fn element(name: &str, about: &str, scene: &Scene) -> (String, String) {
         _ if array.starts_with("internal_sleeve") => Some(scene.gear.internal_sleeves),
         _ => None,
     };
-    let place = sleeves.map_or_else(String::new, |count| {
-        format!(
-            ", at {:.4} deg at the start",
-            f64::from(k) * 360.0 / count as f64
-        )
-    });
-    (
-        format!("{array}[{}]", k + 1),
-        format!("{about}: number {k}{place}"),
-    )
+    let angle_deg = sleeves.map(|count| f64::from(k) * 360.0 / count as f64);
+    let place = angle_deg.map(|angle| format!(", at {angle:.4} deg at the start"));
+    let about = format!("{about}: number {k}{}", place.unwrap_or_default());
+    (format!("{array}[{}]", k + 1), about)
 }
 
 /// Returns the FNV-1a hash, 128 bits [Fowler, Noll, Vo 1991], in the form of a GUID.
@@ -394,12 +389,10 @@ fn guid(text: &str, variables: &[Variable]) -> String {
     const PRIME: u128 = 0x0000_0000_0100_0000_0000_0000_0000_013b;
     let names = variables.iter().flat_map(|v| v.name.bytes().chain([0]));
     let version = env!("CARGO_PKG_VERSION").bytes();
-    let hash = version
-        .chain(text.bytes())
-        .chain(names)
-        .fold(BASIS, |hash, byte| {
-            (hash ^ u128::from(byte)).wrapping_mul(PRIME)
-        });
+    let bytes = version.chain(text.bytes()).chain(names);
+    let hash = bytes.fold(BASIS, |hash, byte| {
+        (hash ^ u128::from(byte)).wrapping_mul(PRIME)
+    });
     let digits = format!("{hash:032x}");
     let parts = [0..8, 8..12, 12..16, 16..20, 20..32].map(|part| &digits[part]);
     format!("{{{}}}", parts.join("-"))

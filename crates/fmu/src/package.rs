@@ -52,7 +52,7 @@ impl Imprint {
     /// author is Pinwheel's authors.
     ///
     /// # Errors
-    /// A `SOURCE_DATE_EPOCH` that is no time.
+    /// `SOURCE_DATE_EPOCH` is no time.
     #[expect(clippy::disallowed_methods, reason = "a day, no duration")]
     pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
         // End of the year 9999; later dates have another form.
@@ -147,10 +147,9 @@ impl Unit {
             return format!("    <Unit name=\"{}\"/>\n", self.name);
         }
         let powers = ["kg", "m", "s", "rad"].into_iter().zip(self.base);
-        let mut attributes: String = powers
-            .filter(|(_, power)| *power != 0)
-            .map(|(name, power)| format!(" {name}=\"{power}\""))
-            .collect();
+        let powers = powers.filter(|(_, power)| *power != 0);
+        let attribute = |(name, power): (&str, i32)| format!(" {name}=\"{power}\"");
+        let mut attributes: String = powers.map(attribute).collect();
         if self.factor != 1.0 {
             attributes += &format!(" factor=\"{:e}\"", self.factor);
         }
@@ -243,7 +242,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// A unit, ready to be written.
+/// Unit, ready to be written.
 #[derive(Debug, Clone)]
 pub struct Package {
     model: Arc<Model>,
@@ -269,7 +268,7 @@ impl Package {
     /// Builds the unit and tries its first step.
     ///
     /// # Errors
-    /// A scene that gives no unit, or a library that cannot be read.
+    /// The scene gives no unit, or the library cannot be read.
     pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {
@@ -289,16 +288,14 @@ impl Package {
         };
         let method = first().map_err(|Refusal(what)| PackageError::Unit(what))?;
         if platform().is_none() {
-            let what = format!(
-                "FMI 2.0 has no place for libraries of {} on {}; build the unit on another machine",
-                std::env::consts::OS,
-                std::env::consts::ARCH
-            );
-            return Err(PackageError::Unit(what));
+            let (system, processor) = (std::env::consts::OS, std::env::consts::ARCH);
+            return Err(PackageError::Unit(format!(
+                "FMI 2.0 has no place for libraries of {system} on {processor}; build the unit on another machine"
+            )));
         }
-        let bytes = std::fs::read(library).map_err(|error| {
-            PackageError::Unit(format!("{} cannot be read: {error}", library.display()))
-        })?;
+        let unread =
+            |error: std::io::Error| format!("{} cannot be read: {error}", library.display());
+        let bytes = std::fs::read(library).map_err(|error| PackageError::Unit(unread(error)))?;
         Ok(Self {
             identifier: identifier(&model.scene().name),
             model,
@@ -346,6 +343,7 @@ impl Package {
             let names = rows.iter().filter_map(|row| row.unit);
             names.into_iter().any(|other| other.name == unit.name)
         };
+        let units = UNITS.iter().filter(used);
         let tolerances = self.model.variables().iter();
         let tolerance = tolerances.filter(|variable| variable.what == What::Tolerance);
         let tolerance = tolerance.map(|variable| format!(" tolerance=\"{:e}\"", variable.start));
@@ -369,11 +367,7 @@ impl Package {
             stop_s = format_args!("{:e}", scene.solver.duration_s),
             tolerance = tolerance.collect::<String>(),
             step_s = format_args!("{:e}", scene.solver.sample_s),
-            units = UNITS
-                .iter()
-                .filter(used)
-                .map(Unit::definition)
-                .collect::<String>(),
+            units = units.map(Unit::definition).collect::<String>(),
             variables = rows.iter().map(Row::variable).collect::<String>(),
             outputs = outputs.collect::<String>(),
         );
@@ -387,20 +381,13 @@ impl Package {
             method = escape(&self.method),
             rows = rows.iter().map(Row::documentation).collect::<String>(),
         );
-        let library = format!(
-            "binaries/{}/{}{}",
-            self.platform(),
-            self.identifier,
-            std::env::consts::DLL_SUFFIX
-        );
+        let name = format!("{}{}", self.identifier, std::env::consts::DLL_SUFFIX);
+        let library = format!("binaries/{}/{name}", self.platform());
+        let scene = format!("resources/{SCENE_FILE}");
         let files: [(&str, u32, &[u8]); 4] = [
             ("modelDescription.xml", 0o644, description.as_bytes()),
             (&library, 0o755, &self.library),
-            (
-                &format!("resources/{SCENE_FILE}"),
-                0o644,
-                self.model.text().as_bytes(),
-            ),
+            (&scene, 0o644, self.model.text().as_bytes()),
             ("documentation/index.html", 0o644, documentation.as_bytes()),
         ];
         let mut archive = ZipWriter::new(Cursor::new(Vec::new()));

@@ -23,6 +23,8 @@ fn value<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyAny>, key: &str) -
     given.get_item(key)?.extract().map_err(Into::into)
 }
 
+const ONE_DIAMETER: &str = "give either pin_circle_diameter_mm or outer_diameter_mm";
+
 /// Drafts a scene file from catalogue data by name, in SI; `None` is replaced by a suggestion.
 #[pyfunction]
 pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
@@ -51,11 +53,7 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
         pin_circle_diameter_m: match (value(given, "pin_circle_diameter_m")?, outer) {
             (Some(circle), None) => circle,
             (None, Some(outer)) => pin_circle_of_m(outer, cranks.is_some()),
-            _ => {
-                return Err(input(
-                    "give either pin_circle_diameter_mm or outer_diameter_mm",
-                ));
-            }
+            _ => return Err(input(ONE_DIAMETER)),
         },
         outer_diameter_m: outer,
         torque_n_m: value(given, "torque_n_m")?,
@@ -82,12 +80,8 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
             })
         };
         let key = fault.keys.first().map(|key| typed(&format!("`{key}`")));
-        let key = key.map(|key| key.trim_matches('`').to_owned());
-        of_key(
-            &typed(&fault.to_string()),
-            key.as_deref(),
-            &typed(&fault.remedy),
-        )
+        let key = key.as_deref().map(|key| key.trim_matches('`'));
+        of_key(&typed(&fault.to_string()), key, &typed(&fault.remedy))
     })?;
     Ok(draft.text)
 }

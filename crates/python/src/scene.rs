@@ -4,7 +4,7 @@ use pinwheel::scene::{
     CheckedScene, KEYS, Location, Override, PRESETS, Scene, SceneError, did_you_mean, preset,
 };
 use pinwheel::studies::sweep;
-use pinwheel::time_series::figure::definitions;
+use pinwheel::time_series::figure::{FigureDef, definitions};
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, input};
@@ -78,10 +78,9 @@ impl Core {
     /// Returns omitted keys: (key, value as TOML, source).
     fn origins(&self) -> Vec<(&'static str, String, String)> {
         let origins = self.checked.origins();
-        let each = origins
-            .iter()
-            .map(|o| (o.key, o.value.to_string(), o.source.words()));
-        each.collect()
+        let each = origins.iter();
+        each.map(|o| (o.key, o.value.to_string(), o.source.words()))
+            .collect()
     }
 }
 
@@ -133,9 +132,8 @@ pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
 /// All figures: (key, what it is, unit, how it is counted).
 #[pyfunction]
 pub(crate) fn figures() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
-    let all = definitions::all();
-    all.map(|def| (&*def.key, &*def.label, &*def.unit, def.how))
-        .collect()
+    let row = |def: &'static FigureDef| (&*def.key, &*def.label, &*def.unit, def.how);
+    definitions::all().map(row).collect()
 }
 
 /// Returns label and unit of a figure or of a column of a sweep.

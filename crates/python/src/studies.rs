@@ -102,10 +102,11 @@ pub(crate) fn compare(
     let named = !asked.is_empty();
     let mut engines = guests::engines(asked, checked)?;
     let (jobs, fresh) = lanes;
-    let (store, mut said) = match comparison::store(fresh) {
-        Ok(store) => (store, Vec::new()),
-        Err(error) => (None, vec![format!("runs are not kept: {error}")]),
-    };
+    let mut said = Vec::new();
+    let store = comparison::store(fresh).unwrap_or_else(|error| {
+        said.push(format!("runs are not kept: {error}"));
+        None
+    });
     if let Some(store) = &store {
         engines = store.around(engines);
     }

@@ -31,7 +31,7 @@ struct Seen {
 
 /// Message to the caller's thread.
 enum Item {
-    /// A solver to run.
+    /// Solver to run.
     Call(Call),
     /// End of the work.
     End,
@@ -67,7 +67,7 @@ impl Desk {
     }
 }
 
-/// A solver that another thread runs.
+/// Solver that another thread runs.
 #[pyclass(frozen, module = "pinwheel._core")]
 struct AtCaller {
     drive: Py<PyAny>,
@@ -162,10 +162,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
                     cancel.store(true, Ordering::Relaxed);
                 }
             }
-            (
-                Ok(worker.join().unwrap_or_else(|panic| resume_unwind(panic))),
-                raised,
-            )
+            let done = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+            (Ok(done), raised)
         })
     });
     if let Some(error) = raised {
@@ -182,9 +180,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
 
 /// Returns the package's exception for a run that was stopped.
 fn stopped(py: Python<'_>) -> PyErr {
-    let made = py
-        .import("pinwheel_engines.errors")
-        .and_then(|errors| errors.getattr("Cancelled")?.call0());
+    let errors = py.import("pinwheel_engines.errors");
+    let made = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
     made.map_or_else(|broken| broken, PyErr::from_value)
 }
 

@@ -31,24 +31,23 @@ pub fn shown(one: &Figure) -> (String, String) {
     let (shown, off) = known(value, one.uncertainty, one.def.digits);
     let bands = one.bands().into_iter();
     let bands = bands.map(|(cause, band)| format!("{} by {cause}", interval(band)));
-    let cause = match one.is_off_by_sampling() {
-        true => "by sampling",
-        false => "numerical",
+    let by_sampling = one.is_off_by_sampling();
+    let cause = if by_sampling {
+        "by sampling"
+    } else {
+        "numerical"
     };
     let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
-    let bounds = joined("; ", bands.chain(off));
-    (
-        narrowest(one).map_or(shown, |band| rounded(value, band)),
-        bounds,
-    )
+    let shown = narrowest(one).map_or(shown, |band| rounded(value, band));
+    (shown, joined("; ", bands.chain(off)))
 }
 
-/// The interval that sets a value's digits: the narrowest, so that the value as shown lies in each as shown.
+/// Returns the interval that sets a value's digits: the narrowest, so that the value as shown lies in each as shown.
 fn narrowest(one: &Figure) -> Option<[f64; 2]> {
     one.bands().last().map(|(_, band)| *band)
 }
 
-/// A value in a table: with the digits that its narrowest band leaves it, and how far it may be off numerically.
+/// Returns a value for a table, with the digits that its narrowest band permits, and its numerical uncertainty.
 pub fn cell(one: &Figure) -> String {
     let Some(value) = one.value else {
         return NONE.to_owned();

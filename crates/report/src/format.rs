@@ -45,17 +45,11 @@ pub fn relative_or_none(value: Option<f64>) -> String {
 pub fn limit(value: f64) -> String {
     let value: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     if value >= 1e-3 {
-        return format!(
-            "{}\u{202f}%",
-            minus(trim_zeros(&format!("{:.10}", 100.0 * value)))
-        );
+        let percent = format!("{:.10}", 100.0 * value);
+        return format!("{}\u{202f}%", minus(trim_zeros(&percent)));
     }
-    let text = format!("{value:e}");
-    match text.split_once('e') {
-        Some(("1", exponent)) => format!("10{}", superscript(exponent)),
-        Some((mantissa, exponent)) => format!("{mantissa}\u{b7}10{}", superscript(exponent)),
-        None => text,
-    }
+    let text = raised(&format!("{value:e}"));
+    text.strip_prefix("1\u{b7}").unwrap_or(&text).to_owned()
 }
 
 /// Formats a duration with a prefix, e.g. `10 µs`, `0.42 s`, `3.1 min`.
@@ -108,20 +102,13 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let uncertainty = uncertainty.filter(|u| u.is_finite());
     let bound = uncertainty.unwrap_or(0.0);
     if value.is_finite() && value.abs() <= bound {
-        let said = if bound > 0.0 {
-            format!("\u{b1}\u{202f}{}", significant(bound, 1))
-        } else {
-            String::new()
-        };
-        return ("0".to_owned(), said);
+        return ("0".to_owned(), plus_minus(bound));
     }
     let Some(u) = uncertainty.filter(|u| *u > 0.0) else {
         return (figure(value), String::new());
     };
-    let [first, last] = [
-        exponent_after_rounding(value, 5),
-        exponent_after_rounding(u, 1),
-    ];
+    let first = exponent_after_rounding(value, 5);
+    let last = exponent_after_rounding(u, 1);
     let digits = first - last + 1;
     let text = if digits >= 5 {
         figure(value)
@@ -131,7 +118,15 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     } else {
         significant(value, digits.max(1) as usize)
     };
-    (text, format!("\u{b1}\u{202f}{}", significant(u, 1)))
+    (text, plus_minus(u))
+}
+
+/// Formats a bound, `± 0.2`; empty for 0.
+pub fn plus_minus(bound: f64) -> String {
+    match bound > 0.0 {
+        true => format!("\u{b1}\u{202f}{}", significant(bound, 1)),
+        false => String::new(),
+    }
 }
 
 /// Returns a readable unit for values of that size, and the factor to it: micrometres, minutes of arc.
@@ -144,10 +139,9 @@ pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
         _ => &[],
     };
     let fits = |(most, ..): &&(f64, &str, f64)| largest < *most;
-    let found = steps.iter().find(fits).filter(|_| largest > 0.0);
-    found.map_or((unit.to_owned(), 1.0), |(_, unit, factor)| {
-        ((*unit).to_owned(), *factor)
-    })
+    let fitting = steps.iter().find(fits).filter(|_| largest > 0.0);
+    let (_, unit, factor) = fitting.copied().unwrap_or((0.0, unit, 1.0));
+    (unit.to_owned(), factor)
 }
 
 /// Formats a count in groups of three digits.
@@ -166,6 +160,24 @@ pub fn count(value: u64) -> String {
 /// Returns a count with its noun: `1 figure`, `2 figures`.
 pub fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// Groups values by key, in the order of the keys' first appearance.
+pub fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in all {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => groups.push((key, vec![value])),
+        }
+    }
+    groups
+}
+
+/// Removes duplicates, in the order of their first appearance.
+pub fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let groups = grouped(all.into_iter().map(|one| (one, ()))).into_iter();
+    groups.map(|(one, _)| one).collect()
 }
 
 /// Joins words.
@@ -189,8 +201,9 @@ fn trim_zeros(text: &str) -> &str {
 fn exponent_after_rounding(value: f64, digits: usize) -> i32 {
     // The format rounds, so 9.99996 with five digits has exponent 1.
     let text = format!("{value:.precision$e}", precision = digits.saturating_sub(1));
-    text.rsplit_once('e')
-        .and_then(|(_, exponent)| exponent.parse().ok())
+    let exponent = text.rsplit_once('e').map(|(_, exponent)| exponent);
+    exponent
+        .and_then(|exponent| exponent.parse().ok())
         .unwrap_or(0)
 }
 
@@ -198,27 +211,27 @@ fn power(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "not finite".to_owned();
     }
-    let text = format!("{value:.precision$e}", precision = digits.saturating_sub(1));
-    match text.split_once('e') {
-        Some((mantissa, exponent)) => {
-            format!("{}\u{b7}10{}", minus(mantissa), superscript(exponent))
-        }
-        None => text,
-    }
+    let precision = digits.saturating_sub(1);
+    raised(&format!("{value:.precision$e}"))
+}
+
+/// Writes the exponent of a number such as `1.2e-7` raised: `1.2·10⁻⁷`.
+fn raised(text: &str) -> String {
+    const RAISED: [char; 10] = [
+        '\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}',
+        '\u{2078}', '\u{2079}',
+    ];
+    let digit = |c: char| c.to_digit(10).map_or('\u{207b}', |d| RAISED[d as usize]);
+    let Some((mantissa, exponent)) = text.split_once('e') else {
+        return text.to_owned();
+    };
+    let exponent: String = exponent.chars().map(digit).collect();
+    format!("{}\u{b7}10{exponent}", minus(mantissa))
 }
 
 /// Returns the text of a number with a minus sign for its hyphen.
 pub fn minus(text: &str) -> String {
     text.replacen('-', "\u{2212}", 1)
-}
-
-fn superscript(exponent: &str) -> String {
-    const RAISED: [char; 10] = [
-        '\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}',
-        '\u{2078}', '\u{2079}',
-    ];
-    let raised = |c: char| c.to_digit(10).map_or('\u{207b}', |d| RAISED[d as usize]);
-    exponent.chars().map(raised).collect()
 }
 
 #[cfg(test)]

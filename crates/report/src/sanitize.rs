@@ -17,10 +17,8 @@ pub fn shortened(message: &str) -> String {
     let tail = LONGEST - head - 50;
     let first: String = message.chars().take(head).collect();
     let last: String = message.chars().skip(count - tail).collect();
-    format!(
-        "{first} [{} characters left out] {last}",
-        count - head - tail
-    )
+    let left_out = count - head - tail;
+    format!("{first} [{left_out} characters left out] {last}")
 }
 
 /// Returns the text with control characters written out as `\u001b`, which JSON reads back; `laid_out` text keeps its line
@@ -50,14 +48,11 @@ fn colour(text: &str) -> usize {
     let Some(rest) = text.strip_prefix("\u{1b}[") else {
         return 0;
     };
-    let digits = rest
-        .bytes()
-        .take_while(|byte| byte.is_ascii_digit() || *byte == b';')
-        .count();
-    if rest.as_bytes().get(digits) == Some(&b'm') {
-        digits + 3
-    } else {
-        0
+    let is_parameter = |c: char| c.is_ascii_digit() || c == ';';
+    let end = rest.trim_start_matches(is_parameter);
+    match end.starts_with('m') {
+        true => text.len() - end.len() + 1,
+        false => 0,
     }
 }
 

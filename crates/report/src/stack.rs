@@ -13,15 +13,12 @@ pub fn stack(caption: &str, parts: &[(&str, f64)]) -> String {
     for (k, (name, share)) in parts.iter().enumerate() {
         let (name, colour) = (escape(name), k % COLOURS);
         let percent = 100.0 * share.clamp(0.0, 1.0);
-        let told = significant(100.0 * share, 2);
-        let _ = write!(
-            bar,
-            "<i style=\"flex:{percent:.4};--part:var(--line-{colour})\"></i>"
+        let (shown, part) = (
+            significant(100.0 * share, 2),
+            format!("--part:var(--line-{colour})"),
         );
-        let _ = write!(
-            names,
-            "<li style=\"--part:var(--line-{colour})\">{name} <b>{told} %</b></li>"
-        );
+        let _ = write!(bar, "<i style=\"flex:{percent:.4};{part}\"></i>");
+        let _ = write!(names, "<li style=\"{part}\">{name} <b>{shown} %</b></li>");
     }
     let caption = escape(caption);
     format!(

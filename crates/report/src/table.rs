@@ -53,10 +53,8 @@ pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
 
 /// Returns the visible columns.
 pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
-    table
-        .columns
-        .iter()
-        .filter(|column| !column.label.is_empty())
+    let columns = table.columns.iter();
+    columns.filter(|column| !column.label.is_empty())
 }
 
 /// Returns the entry for a row in a list beside the values.

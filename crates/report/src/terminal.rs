@@ -40,6 +40,17 @@ struct Cell {
     right: bool,
 }
 
+impl Cell {
+    /// Makes a cell of words; backticks, which mark code on a page, are left out.
+    fn words(text: &str, style: Style) -> Self {
+        Self {
+            text: text.replace('`', ""),
+            style,
+            right: false,
+        }
+    }
+}
+
 /// Line length without a screen, characters.
 const USUAL: usize = 80;
 /// Widths of a table: narrower ones cut words, wider ones are hard to read.
@@ -92,27 +103,23 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     }
     let mut text = String::new();
     for row in rows {
-        let cells: Vec<Vec<String>> = row
-            .iter()
-            .zip(&widths)
-            .map(|(cell, width)| wrapped(&cell.text, *width))
-            .collect();
+        let cells = row.iter().zip(&widths);
+        let cells = cells.map(|(cell, width)| wrapped(&cell.text, *width));
+        let cells: Vec<Vec<String>> = cells.collect();
         let high = cells.iter().map(Vec::len).max().unwrap_or(0);
         for line in 0..high {
             let mut whole = String::new();
             for ((cell, parts), width) in row.iter().zip(&cells).zip(&widths) {
                 let part = parts.get(line).map_or("", String::as_str);
                 let padding = " ".repeat(width.saturating_sub(part.chars().count()));
-                let part = if part.is_empty() {
-                    String::new()
-                } else {
-                    styled(cell.style, part)
+                let part = match part {
+                    "" => String::new(),
+                    part => styled(cell.style, part),
                 };
-                whole.push_str(&if cell.right {
-                    format!("{padding}{part}  ")
-                } else {
-                    format!("{part}{padding}  ")
-                });
+                whole += &match cell.right {
+                    true => format!("{padding}{part}  "),
+                    false => format!("{part}{padding}  "),
+                };
             }
             text.push_str(whole.trim_end());
             text.push('\n');
@@ -124,10 +131,8 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 /// Returns a table with its headings; marks become styles.
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String, style| Cell {
-        // Backticks mark code on a page; a terminal shows the code without them.
-        text: text.replace('\u{202f}', " ").replace('`', ""),
-        style,
         right: column.values.is_numeric(),
+        ..Cell::words(&text.replace('\u{202f}', " "), style)
     };
     let head = table::shown(table);
     let head = head.map(|column| aligned(column, table::heading(column), TITLE));
@@ -154,22 +159,15 @@ fn style(mark: Mark) -> Style {
 
 /// Returns labels with their texts, one pair a line.
 pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L, T)>) -> String {
-    list(
-        rows.into_iter()
-            .map(|(label, text)| [label.into(), text.into()]),
-    )
+    let rows = rows.into_iter();
+    list(rows.map(|(label, text)| [label.into(), text.into()]))
 }
 
 /// Returns questions with their answers, in the style of the answer's mark.
 pub fn facts(facts: &[Fact]) -> String {
-    let cell = |text: &str, style| Cell {
-        text: text.replace('`', ""),
-        style,
-        right: false,
-    };
     let rows = facts.iter().map(|fact| {
-        let label = cell(&format!("{:12}", fact.label), Style::new());
-        vec![label, cell(&fact.text, style(fact.mark))]
+        let label = Cell::words(&format!("{:12}", fact.label), Style::new());
+        vec![label, Cell::words(&fact.text, style(fact.mark))]
     });
     lines(&rows.collect::<Vec<_>>())
 }
@@ -200,37 +198,26 @@ pub fn paragraphs<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
 /// anywhere.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let width = width.max(1);
-    let mut parts = vec![String::new()];
+    let (mut parts, mut part) = (Vec::new(), String::new());
     for word in text.split(' ') {
-        let used = parts.last().map_or(0, |part| part.chars().count());
-        let mut rest = word;
+        let used = part.chars().count();
         if used > 0 && used + 1 + word.chars().count() <= width {
-            if let Some(part) = parts.last_mut() {
-                part.push(' ');
-                part.push_str(word);
-            }
+            part = part + " " + word;
             continue;
         }
         if used > 0 {
-            parts.push(String::new());
+            parts.push(std::mem::take(&mut part));
         }
-        while rest.chars().count() > width {
-            let end = rest
-                .char_indices()
-                .nth(width)
-                .map_or(rest.len(), |(k, _)| k);
+        let mut rest = word;
+        while let Some((end, _)) = rest.char_indices().nth(width) {
             let joint = rest[..end].rfind(['-', '/', ',']).map(|k| k + 1);
             let cut = joint.filter(|k| *k > 1).unwrap_or(end);
-            if let Some(part) = parts.last_mut() {
-                part.push_str(&rest[..cut]);
-            }
-            parts.push(String::new());
+            parts.push(rest[..cut].to_owned());
             rest = &rest[cut..];
         }
-        if let Some(part) = parts.last_mut() {
-            part.push_str(rest);
-        }
+        part = rest.to_owned();
     }
+    parts.push(part);
     parts
 }
 

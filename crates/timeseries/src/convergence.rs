@@ -333,18 +333,15 @@ pub fn estimate(
             "take a finer study",
         ));
     }
-    if steps
-        .iter()
-        .any(|s| !(s.ratio > 1.0 && s.ratio.is_finite()))
-    {
+    let is_coarser = |s: &Step| s.ratio > 1.0 && s.ratio.is_finite();
+    if !steps.iter().all(is_coarser) {
         return Err(Unresolved::new(
             "the levels of the refinement study are not ordered from fine to coarse",
             "order them",
         ));
     }
-    let observed = steps
-        .get(1)
-        .map(|&coarse| observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY));
+    let observed = steps.get(1).map(|&coarse| observed_order(fine, coarse));
+    let observed = observed.map(|order| order.unwrap_or(f64::NEG_INFINITY));
     let (method, hidden) = method.as_seen(observed, steps, alignment);
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
@@ -409,18 +406,15 @@ pub fn estimate(
         if matches!(method, Method::Tolerance { .. }) {
             return Ok(spread());
         }
+        let order = match observed.is_finite() {
+            true => format!("{observed:.1}"),
+            false => "none".to_owned(),
+        };
+        let (coarse, fine, least) = (coarse.difference, fine.difference, method.least_order());
         return Err(Unresolved::new(
             format!(
-                "it does not converge: from level to level the runs differ by {:.1e} and then by {:.1e} (observed order {}, \
-                 at least {} needed)",
-                coarse.difference,
-                fine.difference,
-                if observed.is_finite() {
-                    format!("{observed:.1}")
-                } else {
-                    "none".to_owned()
-                },
-                method.least_order()
+                "it does not converge: from level to level the runs differ by {coarse:.1e} and then by {fine:.1e} (observed order \
+                 {order}, at least {least} needed)"
             ),
             "take a smaller step: half or a quarter",
         ));

@@ -23,7 +23,7 @@ pub struct Ladder {
     pub coarser: Vec<Level>,
 }
 
-/// One coarser run.
+/// Coarser run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
     /// Step, tolerance or other refined setting, above the finest.
@@ -145,11 +145,9 @@ impl Ladder {
                 "run it again at a coarser step or tolerance",
             ));
         }
-        let mut levels: Vec<(f64, &Level)> = self
-            .coarser
-            .iter()
-            .map(|level| (self.refinement(level), level))
-            .collect();
+        let levels = self.coarser.iter();
+        let levels = levels.map(|level| (self.refinement(level), level));
+        let mut levels: Vec<(f64, &Level)> = levels.collect();
         levels.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut runs = vec![(1.0, finest)];
         for (refinement, level) in levels {
@@ -297,10 +295,8 @@ fn alignment(views: &[View<'_>]) -> Option<f64> {
         both.map(|((a, b), c)| (c - b, b - a))
     };
     // Scaled, so that no square vanishes or overflows.
-    let (large, small) = (
-        peak(differences().map(|d| d.0))?,
-        peak(differences().map(|d| d.1))?,
-    );
+    let large = peak(differences().map(|d| d.0))?;
+    let small = peak(differences().map(|d| d.1))?;
     if large == 0.0 || small == 0.0 {
         return None;
     }
@@ -316,9 +312,6 @@ fn alignment(views: &[View<'_>]) -> Option<f64> {
 
 /// Returns the spread of levels beyond the divergence horizon, where each is a sample of one distribution.
 fn spread(values: &[f64], floor: f64) -> Estimate {
-    let furthest = values
-        .iter()
-        .map(|v| (v - values[0]).abs())
-        .fold(0.0, f64::max);
-    Estimate::spread(furthest, floor)
+    let apart = values.iter().map(|v| (v - values[0]).abs());
+    Estimate::spread(apart.fold(0.0, f64::max), floor)
 }

@@ -177,9 +177,8 @@ impl Distance {
     /// Returns the distance of `a` from the reference `b` over their common samples. If `a` has fewer samples, its times must
     /// be among those of `b`. See [`relative_l2`].
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
-        let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
-            .map_while(|row| row)
-            .collect();
+        let rows = rows_at(a.time_s(), b.time_s());
+        let rows: Vec<usize> = rows.map_while(|row| row).collect();
         let samples = 0..rows.len();
         let b = if rows.iter().copied().eq(samples.clone()) {
             Cow::Borrowed(b)

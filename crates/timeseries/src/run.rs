@@ -109,6 +109,13 @@ pub struct RecordedUncertainty {
     pub rms: Option<f64>,
 }
 
+impl RecordedUncertainty {
+    /// Returns the uncertainties of series, largest error, mean, peak and root mean square.
+    pub fn norms(&self) -> [Option<f64>; 5] {
+        [self.l2, self.linf, self.mean, self.peak, self.rms]
+    }
+}
+
 /// Energy account between two times, J: growth of kinetic and stored energy = works - losses + remainder.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyAudit {
@@ -159,9 +166,7 @@ impl EnergyAudit {
         let work = driver_j.abs().max(load_j.abs());
         (work > ROUNDING * held_j).then_some(remainder_j / work)
     }
-}
 
-impl EnergyAudit {
     /// Returns the overlap of the account's interval with `from_s` to `to_s`, as a share of the span of both together.
     pub fn overlap(&self, from_s: f64, to_s: f64) -> f64 {
         let both = self.to_s.min(to_s) - self.from_s.max(from_s);

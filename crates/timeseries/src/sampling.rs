@@ -374,15 +374,12 @@ fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     }
     let parabola =
         values[before] + (place - at[before]) * (slope(before, k) + (place - at[k]) * bend);
-    let quartic: f64 = (0..5)
-        .map(|k| {
-            let others = (0..5).filter(|&j| j != k);
-            values[k]
-                * others
-                    .map(|j| (place - at[j]) / (at[k] - at[j]))
-                    .product::<f64>()
-        })
-        .sum();
+    let term = |k: usize| {
+        let others = (0..5).filter(|&j| j != k);
+        let factors = others.map(|j| (place - at[j]) / (at[k] - at[j]));
+        values[k] * factors.product::<f64>()
+    };
+    let quartic: f64 = (0..5).map(term).sum();
     let least = parabola.min(quartic).max(values[k]);
     (place, least, (parabola - quartic).abs())
 }
@@ -410,8 +407,10 @@ impl Figures {
         let times = &time_series.time_s()[window.clone()];
         let within =
             |intervals: &[Interval]| Self::within(samples, view.channels().len(), times, intervals);
-        let known = time_series.between().and_then(|all| all.intervals_of(name));
-        let known = known.and_then(|all| all.get(window.start..window.end - 1));
+        let known = time_series.between().and_then(|between| {
+            let place = between.names.iter().position(|known| *known == name)?;
+            between.intervals[place].get(window.start..window.end - 1)
+        });
         // A single sample has no interval.
         if let Some(intervals) = known.filter(|intervals| !intervals.is_empty()) {
             return Some(within(intervals));
@@ -427,13 +426,13 @@ impl Figures {
             return Some(within(intervals));
         }
         // With too few points the range is the only bound.
-        let range = samples.max - samples.min;
+        let [mean, min, max, rms, peak] = [samples.max - samples.min; 5];
         let sampling = Statistics {
-            mean: range,
-            min: range,
-            max: range,
-            rms: range,
-            peak: range,
+            mean,
+            min,
+            max,
+            rms,
+            peak,
         };
         Some(Self {
             statistics: samples,
@@ -470,13 +469,6 @@ impl Figures {
                 peak: highest.max(-lowest) - peak,
             },
         }
-    }
-}
-
-impl Between {
-    fn intervals_of(&self, name: &str) -> Option<&[Interval]> {
-        let place = self.names.iter().position(|known| *known == name)?;
-        Some(&self.intervals[place])
     }
 }
 

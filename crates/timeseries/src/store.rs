@@ -6,12 +6,12 @@ use std::ops::Range;
 use crate::sampling::Between;
 use crate::{TimeSeriesError, columns};
 
-/// One named column.
+/// Named column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// Name with its unit as suffix.
     pub name: String,
-    /// One value per sample.
+    /// Values, one per sample.
     pub values: Vec<f64>,
 }
 
@@ -43,9 +43,7 @@ impl TimeSeries {
         }
         Ok(Self {
             time_s,
-            channels: Vec::new(),
-            index: HashMap::new(),
-            between: None,
+            ..Self::default()
         })
     }
 
@@ -150,16 +148,14 @@ impl TimeSeries {
 
     /// Returns the values of one channel.
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
-        self.index
-            .get(name)
-            .map(|&i| self.channels[i].values.as_slice())
+        let place = *self.index.get(name)?;
+        Some(&self.channels[place].values)
     }
 
     /// Returns the numbered channels `prefix_0, prefix_1, ...` in the order of their numbers.
     pub fn group(&self, prefix: &str) -> Vec<&[f64]> {
-        (0..)
-            .map_while(|k| self.channel(&format!("{prefix}_{k}")))
-            .collect()
+        let numbered = |k: usize| self.channel(&format!("{prefix}_{k}"));
+        (0..).map_while(numbered).collect()
     }
 
     /// Returns the sample indices with `from_s <= t <= to_s`, widened by a rounding at both ends.

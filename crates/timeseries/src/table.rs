@@ -131,6 +131,11 @@ impl Mark {
         if good { Self::Good } else { Self::Bad }
     }
 
+    /// [`Mark::Good`] or [`Mark::Warn`].
+    pub fn good(good: bool) -> Self {
+        if good { Self::Good } else { Self::Warn }
+    }
+
     /// [`Mark::Bad`] or no mark.
     pub fn bad(bad: bool) -> Self {
         if bad { Self::Bad } else { Self::None }

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use pinwheel::gearbox::contacts::Kernel;
+use pinwheel::studies::baseline::Options;
 
 use super::named::{Named, named};
 use super::{JsonArgs, OutArgs};
+use crate::failure::Failure;
 
 /// `pinwheel baseline`.
 #[derive(Debug, Args)]
@@ -45,10 +47,22 @@ pub(crate) struct Running {
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) only: Vec<String>,
     #[command(flatten)]
-    pub(crate) solvers: super::Solvers,
+    solvers: super::Solvers,
     /// Runs at a time; results do not depend on it.
     #[arg(long, alias = "threads", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
-    pub(crate) jobs: u8,
+    jobs: u8,
+}
+
+impl Running {
+    /// Returns the options of a run, with the solvers of the user.
+    pub(crate) fn options(&self) -> Result<Options, Failure> {
+        Ok(Options {
+            threads: self.jobs.into(),
+            only: self.only.clone(),
+            solvers: self.solvers.join()?,
+            ..Options::default()
+        })
+    }
 }
 
 /// `pinwheel baseline record`.

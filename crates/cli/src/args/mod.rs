@@ -270,7 +270,7 @@ fn by_groups(program: &clap::Command) -> String {
         for name in names.split(' ') {
             let about = program
                 .find_subcommand(name)
-                .and_then(clap::Command::get_about);
+                .and_then(|one| one.get_about());
             let about = about.map_or_else(String::new, ToString::to_string);
             let _ = writeln!(text, "  {name:<13}{about}");
         }
@@ -295,10 +295,9 @@ fn examples_first(command: clap::Command) -> clap::Command {
     let text = text.unwrap_or_default();
     let (examples, rest) = text.split_once("\n\n").unwrap_or((&text, ""));
     let mut rest = rest.trim_end().to_owned();
-    let before = if examples.is_empty() {
-        ""
-    } else {
-        "{before-help}"
+    let before = match examples {
+        "" => "",
+        _ => "{before-help}",
     };
     let parts = match command.get_name() {
         "pinwheel" => [EVERYWHERE, STATUS].as_slice(),
@@ -337,7 +336,7 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     let typed = matches
         .as_ref()
         .ok()
-        .and_then(clap::ArgMatches::subcommand_name);
+        .and_then(|typed| typed.subcommand_name());
     let mut names = GROUPS.iter().flat_map(|(_, names)| names.split(' '));
     let command = names.find(|name| typed == Some(name)).unwrap_or_default();
     match matches.and_then(|matches| Program::from_arg_matches(&matches)) {
@@ -371,9 +370,8 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
 fn wants_json(matches: &clap::ArgMatches) -> bool {
     let own = matches.try_get_one::<bool>("json");
     let own = own.ok().flatten().copied().unwrap_or(false);
-    own || matches
-        .subcommand()
-        .is_some_and(|(_, matches)| wants_json(matches))
+    let command = matches.subcommand();
+    own || command.is_some_and(|(_, matches)| wants_json(matches))
 }
 
 /// Returns the program's name with the typed command, if that exists.

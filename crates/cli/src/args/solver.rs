@@ -37,10 +37,8 @@ impl Solvers {
             true => String::new(),
             false => format!(" --engines {}", others.join(",")),
         };
-        let files = self.files.iter();
-        let files: String = files
-            .map(|file| format!(" --solver {}", file.display()))
-            .collect();
+        let file = |file: &PathBuf| format!(" --solver {}", file.display());
+        let files: String = self.files.iter().map(file).collect();
         all.extend(others);
         match all.as_slice() {
             [] => Ok("native".to_owned()),

@@ -32,12 +32,7 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     interrupt::check()?;
     Baseline::check_place(&folder)?;
     name_leftovers(&folder.join(FILE));
-    let options = Options {
-        threads: args.running.jobs.into(),
-        only: args.running.only.clone(),
-        solvers: args.running.solvers.join()?,
-        ..Options::default()
-    };
+    let options = args.running.options()?;
     let here = made(options.kernel);
     let reason = reason.unwrap_or("first record");
     let recorded = watched(|control| baseline::record(here, earlier, reason, &options, control))?;
@@ -54,12 +49,8 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
         folder.display()
     ))?;
     // A named scene that was omitted is not stored.
-    let asked = !args.running.only.is_empty();
-    Ok(if asked && !recorded.left_out.is_empty() {
-        INCONCLUSIVE
-    } else {
-        0
-    })
+    let lacks = !(args.running.only.is_empty() || recorded.left_out.is_empty());
+    Ok(if lacks { INCONCLUSIVE } else { 0 })
 }
 
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
@@ -75,10 +66,8 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     check_junit(args.junit.as_deref(), &out)?;
     let options = Options {
         kernel: args.kernel,
-        threads: args.running.jobs.into(),
-        only: args.running.only.clone(),
-        solvers: args.running.solvers.join()?,
         stages: true,
+        ..args.running.options()?
     };
     let here = made(options.kernel);
     let found = watched(|control| baseline::check(&accepted, here, &options, control))?;

@@ -12,12 +12,8 @@ use crate::screen;
 
 pub(crate) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     let scene = args.scene.load()?.scene;
-    let options = Options::asked(
-        args.target,
-        args.repeats.into(),
-        args.longest,
-        args.methods.clone(),
-    )?;
+    let (repeats, methods) = (args.repeats.into(), args.methods.clone());
+    let options = Options::asked(args.target, repeats, args.longest, methods)?;
     let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "bench")?;
     let measured = watched(|control| bench::run(&scene, &engines, &options, control))?;
@@ -29,10 +25,8 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<(), Failure> {
         let out = folder.publish_partial(&page)?;
         screen::show_with_page(&text, &out.join(PAGE))?;
         let stopped = "stopped; what had been measured until then is in";
-        return Err(Failure::new(
-            STOPPED,
-            format!("{stopped} {}", out.display()),
-        ));
+        let message = format!("{stopped} {}", out.display());
+        return Err(Failure::new(STOPPED, message));
     }
     folder.show(&page, &text)?;
     // A named engine without any point.

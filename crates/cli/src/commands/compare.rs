@@ -28,13 +28,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
-    let store = match comparison::store(args.fresh) {
-        Ok(store) => store,
-        Err(error) => {
-            screen::warn(&format!("runs are not kept: {error}"));
-            None
-        }
-    };
+    let store = comparison::store(args.fresh).unwrap_or_else(|error| {
+        screen::warn(&format!("runs are not kept: {error}"));
+        None
+    });
     let effort = effort(args, &args.scene.scene, scene)?;
     if let (Some(ahead), Some(store)) = (&args.ahead, &store) {
         return keep(store, ahead, &gearbox, effort);
@@ -181,12 +178,6 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
 }
 
 fn effort(args: &CompareArgs, spec: &str, scene: &CheckedScene) -> Result<Effort, Failure> {
-    let sets = args::overrides(&args.scene.set)?;
-    Ok(Effort::asked(
-        scene,
-        spec,
-        &sets,
-        args.longest,
-        args.resolution,
-    )?)
+    let (sets, longest) = (args::overrides(&args.scene.set)?, args.longest);
+    Ok(Effort::asked(scene, spec, &sets, longest, args.resolution)?)
 }

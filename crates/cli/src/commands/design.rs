@@ -21,10 +21,8 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let to_screen = args.file == Path::new("-");
     let stem = args.file.file_stem().filter(|_| !to_screen);
     let name = stem.map_or_else(|| "mine".into(), |stem| stem.to_string_lossy().into_owned());
-    let draft = args
-        .catalogue(name)?
-        .draft()
-        .map_err(|fault| by_flag(&fault))?;
+    let draft = args.catalogue(name)?.draft();
+    let draft = draft.map_err(|fault| by_flag(&fault))?;
     if to_screen {
         return screen::show(&draft.text);
     }
@@ -32,16 +30,10 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let study = draft.study(&name);
     let place = args.file.with_extension("tolerances.toml");
     let scene = format!("#:schema ./{SCHEMA}\n{}", draft.text);
-    let schema = (
-        args.file.with_file_name(SCHEMA),
-        screen::as_json(&schema::schema())?,
-    );
+    let schema_file = args.file.with_file_name(SCHEMA);
+    let schema = screen::as_json(&schema::schema())?;
     let mut files: Vec<(&Path, &str, fn(&[u8]) -> bool)> = vec![(&args.file, &scene, is_scene)];
-    files.extend(
-        study
-            .iter()
-            .map(|text| (place.as_path(), text.as_str(), is_study as _)),
-    );
+    files.extend(study.iter().map(|text| (&*place, &**text, is_study as _)));
     for (path, _, ours) in &files {
         folder::check(path, ours)?;
         if path.exists() && !args.force {
@@ -51,8 +43,8 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
             )));
         }
     }
-    files.push((&schema.0, &schema.1, is_schema));
-    folder::check(&schema.0, &is_schema)?;
+    files.push((&schema_file, &schema, is_schema));
+    folder::check(&schema_file, &is_schema)?;
     // The scene last: what refers to files has them.
     for (path, text, ours) in files.iter().rev() {
         folder::replace(path, text.as_bytes(), ours)?;
@@ -79,24 +71,25 @@ fn is_schema(content: &[u8]) -> bool {
 
 /// Returns true for the text of a study of tolerances, right or wrong.
 fn is_study(content: &[u8]) -> bool {
-    let mut lines = content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    lines.any(|line| line == b"[sample]")
+    lines(content).any(|line| line == b"[sample]")
 }
 
-/// True for the text of a scene, valid or not.
+/// Returns true for the text of a scene, valid or not.
 fn is_scene(content: &[u8]) -> bool {
-    let mut lines = content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    lines.any(|line| line == b"[gear]" || line.starts_with(b"base = "))
+    lines(content).any(|line| line == b"[gear]" || line.starts_with(b"base = "))
+}
+
+fn lines(content: &[u8]) -> impl Iterator<Item = &[u8]> {
+    content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii)
 }
 
 /// Converts a fault of keys to one of their flags; keys outside of backticks become words, lengths millimetres.
 fn by_flag(fault: &Fault) -> Failure {
     let flag = |name: &str| format!("--{}", name.replace('_', "-"));
-    let text = ARGUMENTS
-        .iter()
-        .fold(fault.to_string(), |text, (key, name)| {
-            text.replace(&format!("`{key}`"), &format!("`{}`", flag(name)))
-        });
+    let flagged = |text: String, (key, name): &(&str, &str)| {
+        text.replace(&format!("`{key}`"), &format!("`{}`", flag(name)))
+    };
+    let text = ARGUMENTS.iter().fold(fault.to_string(), flagged);
     let text = longest_first().fold(text, |text, row| text.replace(row.name, &row.words()));
     Failure::input(in_units(&text, &[("m", ("mm", 1e3))]))
 }

@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
-use crate::folder::Folder;
+use crate::folder::{Folder, Request};
 use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
@@ -74,7 +74,7 @@ const LATE: Value = Value::Null;
 #[derive(Default)]
 struct Compared {
     running: bool,
-    told: String,
+    state: String,
     page: Option<String>,
     place: String,
     work: Option<JoinHandle<()>>,
@@ -229,7 +229,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     } else if !args.print {
         opened = entrance(&address).ok();
         let started = opened.as_ref().map(|file| open::that_detached(file.path()));
-        if started.is_none_or(|started| started.is_err()) {
+        if !matches!(started, Some(Ok(()))) {
             screen::complain("no browser could be started; open the address yourself");
         }
     }
@@ -252,23 +252,21 @@ fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
         Some(port) => loopback::bind(port),
         None => loopback::bind(PORT).or_else(|_| loopback::bind(0)),
     };
-    listener.map_err(|error| {
-        let port = port.unwrap_or_default();
-        Failure::input(format!(
-            "port {port} cannot be used: {error}; name another with --port"
-        ))
-    })
+    let port = port.unwrap_or_default();
+    let remedy = "name another with --port";
+    listener
+        .map_err(|error| Failure::input(format!("port {port} cannot be used: {error}; {remedy}")))
 }
 
 /// Writes a temporary file with a link to `address` that only the user may read.
 fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     let mut file = builder.prefix("pinwheel-").suffix(".html").tempfile()?;
-    write!(
-        file,
+    let link = format!(
         include_str!("../../templates/entrance.html"),
         address = address
-    )?;
+    );
+    file.write_all(link.as_bytes())?;
     file.flush()?;
     Ok(file)
 }
@@ -276,9 +274,8 @@ fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
 /// Returns 128 secret random bits.
 fn secret() -> Result<String, Failure> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| {
-        Failure::engine(format!("this system gives no random numbers: {error}"))
-    })?;
+    let none = "this system gives no random numbers";
+    getrandom::fill(&mut bytes).map_err(|error| Failure::engine(format!("{none}: {error}")))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -291,7 +288,7 @@ fn page(text: impl Into<String>) -> Answer {
     Answer::new(200, "text/html", text)
 }
 
-fn told(value: &Value) -> Answer {
+fn json_of(value: &Value) -> Answer {
     Answer::new(200, "application/json", value.to_string())
 }
 
@@ -301,7 +298,7 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
 
 /// Answers a valid request without a result.
 fn reason(why: impl Into<Value>) -> Answer {
-    told(&json!({ "reason": why.into() }))
+    json_of(&json!({ "reason": why.into() }))
 }
 
 impl From<Failure> for Answer {
@@ -335,7 +332,7 @@ impl Explorer {
         match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(&question.gone),
-                "/status" => Ok(told(&self.status())),
+                "/status" => Ok(json_of(&self.status())),
                 "/comparison" => Ok(self.comparison()),
                 _ => Ok(plain(404, "there is nothing here")),
             },
@@ -384,9 +381,8 @@ impl Explorer {
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
             // If the thread has ended, the balances count as late.
-            let _ = self
-                .beside
-                .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
+            let asked = (Arc::clone(&gearbox), Arc::clone(&stop), tells);
+            let _ = self.beside.send(asked);
             hears
         });
         // Unlocked during the run, so that other requests are answered.
@@ -410,7 +406,7 @@ impl Explorer {
         stop.store(true, Ordering::Relaxed);
         let mut run = found.map_err(reason)?;
         run["balanced"] = figures.map_or(LATE, balanced);
-        Ok(told(&run))
+        Ok(json_of(&run))
     }
 
     /// Computes what the answer of the newest requested state lacks; `stop` ends it.
@@ -426,8 +422,8 @@ impl Explorer {
         if path == "/motion" {
             let span_s = *locked(&self.span_s);
             return match states::motion(&gearbox, span_s, &Control::silent(stop)) {
-                Ok(motion) => Ok(told(&live::run(motion.as_ref()).map_err(reason)?)),
-                Err(_) => Ok(told(&LATE)),
+                Ok(motion) => Ok(json_of(&live::run(motion.as_ref()).map_err(reason)?)),
+                Err(_) => Ok(json_of(&LATE)),
             };
         }
         let begun = Instant::now();
@@ -436,7 +432,7 @@ impl Explorer {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
-        Ok(told(&balanced(found)))
+        Ok(json_of(&balanced(found)))
     }
 
     /// Cancels the running balances of a page; `stop` cancels the new ones.
@@ -448,11 +444,11 @@ impl Explorer {
         }
     }
 
-    /// The scene's file with what was moved, for the reader to keep.
+    /// Returns the scene's file with what was moved, for the reader to keep.
     fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let name = format!("{}-explored.toml", file_name(&name));
-        Ok(told(&json!({"name": name, "text": text})))
+        Ok(json_of(&json!({"name": name, "text": text})))
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.
@@ -478,7 +474,7 @@ impl Explorer {
             let _ = std::fs::remove_file(&name);
             plain(500, format!("{name}: {error}"))
         })?;
-        Ok(told(&json!({"file": name})))
+        Ok(json_of(&json!({"file": name})))
     }
 
     /// Starts a comparison of all engines, unless one is running.
@@ -490,7 +486,7 @@ impl Explorer {
         }
         *compared = Compared {
             running: true,
-            told: "Compares".to_owned(),
+            state: "Compares".to_owned(),
             ..Compared::default()
         };
         let explorer = Arc::clone(self);
@@ -500,23 +496,22 @@ impl Explorer {
             compared.running = false;
             match done {
                 Ok((text, place)) => (compared.page, compared.place) = (Some(text), place),
-                Err(failure) => compared.told = failure.message,
+                Err(failure) => compared.state = failure.message,
             }
         }));
-        Ok(told(&json!({})))
+        Ok(json_of(&json!({})))
     }
 
     /// Returns the time of the scene's file and the state of the comparison.
     fn status(&self) -> Value {
         let written = std::fs::metadata(&self.spec).and_then(|file| file.modified());
-        let since = written.map(|time| {
-            time.duration_since(SystemTime::UNIX_EPOCH)
-                .unwrap_or_default()
-        });
+        let since = written
+            .ok()
+            .and_then(|time| time.duration_since(SystemTime::UNIX_EPOCH).ok());
         let compared = locked(&self.compared);
         json!({
-            "stamp": since.map_or(0.0, |since| since.as_secs_f64()),
-            "compares": compared.told,
+            "stamp": since.unwrap_or_default().as_secs_f64(),
+            "compares": compared.state,
             "page": compared.page.as_ref().map(|_| "comparison"),
             "place": compared.place,
         })
@@ -536,17 +531,17 @@ impl Explorer {
         // The name differs from that of `compare`, whose results for the file must stay.
         let name = format!("{}-explored-compare", args::label(&self.spec));
         let out = Path::new("out").join(name);
-        let folder = Folder::prepare(&out, false)?;
+        let folder = Folder::asked(&out, Request::default())?;
         let input = Input {
             gearbox: &gearbox,
             engines: &engines,
             data: &[],
         };
         let report = |progress: Progress<'_>| {
-            locked(&self.compared).told = format!(
-                "Compares: {} of {}, {}",
-                progress.done, progress.total, progress.piece
-            );
+            let Progress {
+                done, total, piece, ..
+            } = progress;
+            locked(&self.compared).state = format!("Compares: {done} of {total}, {piece}");
         };
         let control = Control::new(interrupt::flag(), &report);
         let effort = Effort {

@@ -30,7 +30,7 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
     let package = Package::new(&gearbox, &library, imprint).map_err(failed)?;
     let bytes = package.bytes().map_err(failed)?;
     replace(&file, &bytes, &Package::is_ours)?;
-    let told = serde_json::json!({
+    let written = serde_json::json!({
         "file": file,
         "bytes": bytes.len(),
         "guid": package.guid(),
@@ -38,7 +38,7 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
         "variables": package.variables(),
         "method": package.method(),
     });
-    screen::show_or_json(&told, || {
+    screen::show_or_json(&written, || {
         format!(
             "unit    {0} ({1} variables, {2}, {3})\nnext    import {0} in a master of FMI 2.0 co-simulation: docs/fmu.md",
             file.display(),

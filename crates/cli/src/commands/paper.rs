@@ -11,19 +11,17 @@ use crate::progress::watched;
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
     let figures = args.figures.clone();
-    let folder = Folder::prepare(&args.out.or("paper"), args.out.force)?;
-    let peer = if figures.is_empty() || figures.iter().any(|f| f == "10") {
-        watched(|control| paper::peer(args.against.as_deref(), control)).map_err(|error| {
-            match error {
-                StudyError::Ended { .. } => {
-                    Failure::engine(format!("{error}; choose another with --against"))
-                }
-                error => error.into(),
+    let folder = Folder::of(&args.out, "paper", "")?;
+    let mut peer = None;
+    if figures.is_empty() || figures.iter().any(|f| f == "10") {
+        let found = watched(|control| paper::peer(args.against.as_deref(), control));
+        peer = found.map_err(|error| match error {
+            StudyError::Ended { .. } => {
+                Failure::engine(format!("{error}; choose another with --against"))
             }
-        })?
-    } else {
-        None
-    };
+            error => error.into(),
+        })?;
+    }
     let options = Options { figures, peer };
     let found = watched(|control| paper::run(&options, control)).map_err(|error| match error {
         StudyError::Cancelled => Failure::stopped(),

@@ -29,16 +29,15 @@ pub(crate) fn solver(args: &SolverArgs) -> Result<u8, Failure> {
 fn new(language: Language, name: &str) -> Result<u8, Failure> {
     Manifest::is_name(name).map_err(Failure::input)?;
     let folder = Folder::fresh(Path::new(name))?;
-    let files = language
-        .write(folder.path(), name)
-        .map_err(|error| Failure::input(format!("{name} cannot be written: {error}")))?;
+    let unwritten =
+        |error: std::io::Error| Failure::input(format!("{name} cannot be written: {error}"));
+    let files = language.write(folder.path(), name).map_err(unwritten)?;
     let place = folder.publish()?;
     let solver = Solver::open(&place.join("solver.toml"));
     let solver = solver.map_err(Failure::engine)?;
     let build = solver.manifest().build.as_ref();
-    let build = build.map_or_else(String::new, |build| {
-        format!("  cd {name} && {build} && cd ..\n")
-    });
+    let build = build.map(|build| format!("  cd {name} && {build} && cd ..\n"));
+    let build = build.unwrap_or_default();
     screen::show(&format!(
         "{name}/: {}\nnow:\n{build}  pinwheel solver check {name}/solver.toml\n  pinwheel compare paper --solver {name}/solver.toml",
         files.join(", ")

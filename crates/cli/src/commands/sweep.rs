@@ -66,10 +66,6 @@ fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
         sweep.engines = names.collect();
     }
     sweep.engines = args.solvers.join_named(&sweep.engines)?;
-    Ok(Plan::within(
-        sweep,
-        &args::overrides(&args.set)?,
-        Guests::default(),
-        interrupt::flag(),
-    )?)
+    let (sets, guests) = (args::overrides(&args.set)?, Guests::default());
+    Ok(Plan::within(sweep, &sets, guests, interrupt::flag())?)
 }

@@ -107,9 +107,8 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
         let state = kept.bytes();
         // SAFETY: the caller promises its length.
         let place = unsafe { array_mut("the address of the bytes", bytes, size)? };
-        let room = place
-            .get_mut(..state.len())
-            .ok_or_else(|| Refusal(format!("a state takes {} bytes, not {size}", state.len())))?;
+        let small = || format!("a state takes {} bytes, not {size}", state.len());
+        let room = place.get_mut(..state.len()).ok_or_else(small)?;
         room.copy_from_slice(&state);
         Ok(OK)
     })

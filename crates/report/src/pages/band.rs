@@ -63,10 +63,8 @@ fn tighten(fits: &Fits) -> Vec<String> {
             "{key} +- {half}: alone it moves the {label} from {least} to {largest} {unit}"
         ))
     };
-    [&defs::LOST_MOTION, &defs::STIFFNESS]
-        .iter()
-        .filter_map(said)
-        .collect()
+    let figures = [&defs::LOST_MOTION, &defs::STIFFNESS];
+    figures.iter().filter_map(said).collect()
 }
 
 /// Returns the effect of fits on the largest external force: of toleranced sizes, or of profile cuts.
@@ -83,8 +81,8 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
     let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
     let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
-    let told = joined(", by ", fitted.map(cut));
-    (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))
+    let forces = joined(", by ", fitted.map(cut));
+    (!forces.is_empty()).then(|| format!("{label}; profile cut by {forces}"))
 }
 
 /// Label for a scene's law outside of the bands.
@@ -99,18 +97,11 @@ pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
         return rows;
     };
     rows.push(("by fit", tried(fits)));
-    rows.extend(
-        tighten(fits)
-            .into_iter()
-            .map(|said| ("tighten this first", said)),
-    );
+    let first = tighten(fits).into_iter();
+    rows.extend(first.map(|said| ("tighten this first", said)));
     let refused = fits.refused.iter();
-    rows.extend(refused.map(|said| {
-        (
-            "no gear",
-            format!("cannot be assembled or balanced: {said}"),
-        )
-    }));
+    let refused = refused.map(|said| format!("cannot be assembled or balanced: {said}"));
+    rows.extend(refused.map(|said| ("no gear", said)));
     rows
 }
 
@@ -127,10 +118,8 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
     for (place, fit) in bands.fits.iter().enumerate() {
         let cut = format!("cut by {:.0} \u{b5}m", 1e6 * fit.cut_m);
         table = table.text("", &cut, |(one, ..)| {
-            let fitted = bands.fitted(&one.def);
-            fitted
-                .get(place)
-                .map_or_else(String::new, |(_, value)| significant(*value, 3))
+            let fitted = bands.fitted(&one.def).into_iter().nth(place);
+            fitted.map_or_else(String::new, |(_, value)| significant(value, 3))
         });
     }
     let said = outside(bands).map(Block::Text);
@@ -152,9 +141,7 @@ fn tolerances(fits: &Fits) -> Block {
                 let ends = key
                     .values(def)
                     .map(|ends| ends.map(|end| significant(end, 3)));
-                ends.map_or_else(String::new, |[least, largest]| {
-                    format!("{least} to {largest}")
-                })
+                ends.map_or_else(String::new, |ends| ends.join(" to "))
             });
         }
     }

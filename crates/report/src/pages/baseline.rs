@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::format::{joined, relative};
+use crate::format::{grouped, joined, relative};
 use crate::study::{self, Block, Decision, Question, Section, Study, Tile, Tone};
 use crate::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
@@ -70,10 +70,8 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
 
 /// Returns the text for a terminal, without the path of the page: a line for each solver, and the changed cases.
 pub fn text(name: &str, check: &Check) -> String {
-    let (same, mut moved): (Vec<_>, Vec<_>) = check
-        .cases
-        .iter()
-        .partition(|case| case.verdict == Verdict::Same);
+    let is_same = |case: &&CaseCheck| case.verdict == Verdict::Same;
+    let (same, mut moved): (Vec<_>, Vec<_>) = check.cases.iter().partition(is_same);
     moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
     let lines = sentences(name, check).chain(stages(check));
     let mut text: Vec<String> = lines.map(|line| terminal::paragraph(&line)).collect();
@@ -103,15 +101,13 @@ pub fn recorded(name: &str, record: &Record) -> String {
         let errors = record.errors().into_iter();
         let errors = errors.filter(|(_, case, ..)| case.choice == *solver || solvers == own);
         let errors: Vec<_> = errors.collect();
-        let far = errors
-            .iter()
-            .filter(|(.., error)| *error > limits::FAR_OFF)
-            .count();
+        let far_off = errors.iter().filter(|(.., error)| *error > limits::FAR_OFF);
+        let far = far_off.count();
         let named = errors.iter().take(far.clamp(1, 3));
         let named = named.map(|(scene, case, quantity, error)| {
-            let by = match case.choice == *solver {
-                true => String::new(),
-                false => format!(" by {}", case.choice),
+            let by = match &case.choice {
+                own if own == solver => String::new(),
+                other => format!(" by {other}"),
             };
             let off = match 100.0 * error {
                 percent if percent < 0.1 => format!("{percent:.1e}"),
@@ -159,13 +155,16 @@ pub fn list(listed: &[Listed]) -> String {
     text
 }
 
+/// Returns every quantity with its case.
+fn quantities(check: &Check) -> impl Iterator<Item = Moved<'_>> {
+    let cases = check.cases.iter();
+    cases.flat_map(|case| case.quantities.iter().map(move |quantity| (case, quantity)))
+}
+
 /// Returns the quantities changed by more than rounding, sorted by the change.
 fn moved(check: &Check) -> Vec<Moved<'_>> {
-    let all = check.cases.iter();
-    let all = all.flat_map(|case| case.quantities.iter().map(move |quantity| (case, quantity)));
-    let mut moved: Vec<Moved<'_>> = all
-        .filter(|(_, quantity)| quantity.verdict != Verdict::Same)
-        .collect();
+    let is_moved = |(_, quantity): &Moved<'_>| quantity.verdict != Verdict::Same;
+    let mut moved: Vec<Moved<'_>> = quantities(check).filter(is_moved).collect();
     moved.sort_by(|(_, a), (_, b)| b.change.total_cmp(&a.change));
     moved
 }
@@ -183,8 +182,7 @@ fn headline(verdict: Verdict) -> &'static str {
 
 fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
     let most = |size: fn(&QuantityCheck) -> f64| {
-        let all = check.cases.iter();
-        let all = all.flat_map(|case| case.quantities.iter().map(move |of| (case, of)));
+        let all = quantities(check);
         let (case, of) = all.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)))?;
         Some((relative(size(of)), format!("{}, {}", of.label, place(case))))
     };
@@ -199,17 +197,14 @@ fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
     let words = crate::pages::words(made);
     let with = |names: &[&str]| crate::pages::options(&words, names);
     let next = match check.verdict {
-        Verdict::Same => Question::Next.answered(
-            Mark::None,
-            "nothing to accept",
-            "results are the accepted ones",
-        ),
+        Verdict::Same => {
+            let why = "results are the accepted ones";
+            Question::Next.answered(Mark::None, "nothing to accept", why)
+        }
         Verdict::Worse => {
             let scene = check.cases.iter().max_by_key(|case| case.verdict);
-            let (with, scene) = (
-                with(&["--dir", "--solver"]),
-                scene.map_or("", |of| &of.scene),
-            );
+            let scene = scene.map_or("", |of| &of.scene);
+            let with = with(&["--dir", "--solver"]);
             let command = format!("pinwheel baseline check {name}{with} --only {scene}");
             Tile::next(&command, "the worst case alone, once it is mended")
         }
@@ -229,16 +224,8 @@ fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
 
 /// Returns a line for each changed stage with its cases.
 fn stages(check: &Check) -> impl Iterator<Item = String> {
-    let mut of: Vec<(&str, Vec<String>)> = Vec::new();
-    for case in &check.cases {
-        let Some(stage) = case.stage.as_deref() else {
-            continue;
-        };
-        match of.iter_mut().find(|(known, _)| *known == stage) {
-            Some((_, places)) => places.push(place(case)),
-            None => of.push((stage, vec![place(case)])),
-        }
-    }
+    let of = check.cases.iter();
+    let of = of.filter_map(|case| Some((case.stage.as_deref()?, place(case))));
     let line = |(stage, places): (&str, Vec<String>)| {
         let more = match places.len() - 1 {
             0 => String::new(),
@@ -246,7 +233,7 @@ fn stages(check: &Check) -> impl Iterator<Item = String> {
         };
         format!("stage {stage} [{}{more}]", places[0])
     };
-    of.into_iter().map(line).collect::<Vec<_>>().into_iter()
+    grouped(of).into_iter().map(line)
 }
 
 fn mark(verdict: Verdict) -> Mark {
@@ -302,13 +289,14 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
             errors.unwrap_or_default()
         })
         .text("", "Right-hand sides", |case| {
-            count(case).map_or_else(String::new, |cost| {
-                let counts = both(cost.before, cost.after, |count| format!("{count:.0}"));
-                match cost.label {
-                    "right-hand sides" => counts,
-                    label => format!("{label} {counts}"),
-                }
-            })
+            let Some(cost) = count(case) else {
+                return String::new();
+            };
+            let counts = both(cost.before, cost.after, |count| format!("{count:.0}"));
+            match cost.label {
+                "right-hand sides" => counts,
+                label => format!("{label} {counts}"),
+            }
         })
         .done()
 }

@@ -20,10 +20,9 @@ fn shown(state: State) -> (&'static str, Mark) {
 fn headline(found: &Outcome) -> String {
     let [passed, failed, skipped] =
         [State::Passed, State::Failed, State::Skipped].map(|state| found.count(state));
-    if found.passed() {
-        format!("{passed} trials passed, {skipped} skipped")
-    } else {
-        format!("{failed} trials FAILED, {passed} passed, {skipped} skipped")
+    match found.passed() {
+        true => format!("{passed} trials passed, {skipped} skipped"),
+        false => format!("{failed} trials FAILED, {passed} passed, {skipped} skipped"),
     }
 }
 
@@ -49,19 +48,14 @@ fn table(found: &Outcome, terminal: bool) -> Table {
 /// Returns the table for a terminal.
 pub fn text(found: &Outcome) -> String {
     let style = if found.passed() { GOOD } else { BAD };
-    let title = format!(
-        "{} {}, {}",
-        found.solver,
-        found.version,
-        found.track.as_str()
-    );
-    format!(
-        "{}\n{}\n{}\n{}",
+    let title = format!("{} {}, {}", found.solver, found.version, found.track);
+    let parts = [
         styled(style, &terminal::paragraph(&found.answer)),
         styled(TITLE, &title),
         terminal::table(&table(found, true)),
-        styled(style, &headline(found))
-    )
+        styled(style, &headline(found)),
+    ];
+    parts.join("\n")
 }
 
 /// Returns the page.

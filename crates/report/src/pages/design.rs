@@ -73,9 +73,7 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
     if !found.budget.is_empty() {
         first = first.with(budget(found));
     }
-    if let Some(bands) = &found.bands {
-        first = first.with(band::blocks(bands));
-    }
+    first = first.with(Vec::from_iter(found.bands.iter().flat_map(band::blocks)));
     let mut sections = vec![
         first,
         limits::section(&found.limits),
@@ -105,7 +103,13 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
         tiles: headlines(found).map(figure::tile).collect(),
         below: vec![
             Block::heading("May I use them?"),
-            Block::Facts(facts(found)),
+            Block::Facts(
+                unsure(found)
+                    .into_iter()
+                    .chain(notes(found))
+                    .map(fact)
+                    .collect(),
+            ),
             Block::Html(files(found)),
         ],
         aside: animation::aside(found.motion.as_ref()),
@@ -122,22 +126,18 @@ fn headlines(found: &DesignResult) -> impl Iterator<Item = &Figure> {
 }
 
 fn decision(found: &DesignResult, made: &Provenance) -> Decision {
-    let run = found
-        .cycle
-        .as_ref()
-        .and_then(|cycle| cycle.lost_motion_arcmin);
+    let cycle = found.cycle.as_ref();
+    let run = cycle.and_then(|cycle| cycle.lost_motion_arcmin);
     let both = found.torsion.lost_motion_at_0_arcmin.zip(run);
-    let (said, why) = match both.filter(|(statics, _)| *statics != 0.0) {
+    let right = |said, why| Question::Right.answered(Mark::Warn, said, why);
+    let right = match both.filter(|(statics, _)| *statics != 0.0) {
         Some((statics, run)) => {
             let off = format::relative((run / statics - 1.0).abs());
-            (
-                format!("two ways, {off} apart"),
-                "lost motion by statics and by a run; no other program",
-            )
+            let why = "lost motion by statics and by a run; no other program";
+            right(format!("two ways, {off} apart"), why)
         }
-        None => ("one way".to_owned(), "statics alone; no other program"),
+        None => right("one way".to_owned(), "statics alone; no other program"),
     };
-    let right = Question::Right.answered(Mark::Warn, said, why);
     let sure = crate::pages::sure(headlines(found));
     let next = crate::pages::next(made, "compare", "whether other engines confirm the forces");
     [Some(right), Some(bears(&found.limits)), sure, Some(next)]
@@ -153,51 +153,27 @@ fn files(found: &DesignResult) -> String {
     format!("<p class=\"about\">Drawings beside this page: {links}</p>")
 }
 
-/// Returns notes on the use of the figures, and on the next step.
+/// Returns notes on the use of the figures.
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
-    notes.extend(
-        found
-            .rest
-            .as_ref()
-            .map(|rest| ("stated stiffness", fitted(rest))),
-    );
-    let most = found
-        .budget
-        .iter()
-        .max_by(|a, b| a.share.total_cmp(&b.share));
+    let rest = found.rest.as_ref();
+    notes.extend(rest.map(|rest| ("stated stiffness", fitted(rest))));
+    let parts = found.budget.iter();
+    let most = parts.max_by(|a, b| a.share.total_cmp(&b.share));
     notes.extend(most.map(|most| {
         let share = significant(100.0 * most.share, 2);
-        (
-            "stiffen this first",
-            format!("{}: {share} % of the compliance", most.part),
-        )
+        let said = format!("{}: {share} % of the compliance", most.part);
+        ("stiffen this first", said)
     }));
-    if let Some(bands) = &found.bands {
-        notes.extend(band::rows(bands));
-    }
+    notes.extend(found.bands.iter().flat_map(band::rows));
     let (scene, drive) = (&found.scene, &found.scene.drive);
     if drive.output_torque_n_m * drive.input_speed_rad_s * scene.output_per_input() > 0.0 {
         let said =
             "drives this gear; give drive.output_torque_n_m the other sign for a load that resists";
         notes.push(("load", said.to_owned()));
     }
-    let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
-    notes.push((NEXT, next.to_owned()));
     notes
 }
-
-/// Returns doubts and notes, without the next step, which is a tile.
-fn facts(found: &DesignResult) -> Vec<Fact> {
-    let notes = unsure(found).into_iter().chain(notes(found));
-    notes
-        .filter(|(label, _)| *label != NEXT)
-        .map(fact)
-        .collect()
-}
-
-/// Label of the next step.
-const NEXT: &str = "next";
 
 /// Rows on what is hard to believe, and on limits that were not judged.
 fn unsure(found: &DesignResult) -> Vec<(&'static str, String)> {
@@ -227,6 +203,8 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
         rows.push(("budget", budgeted(share)));
     }
     rows.extend(notes(found));
+    let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
+    rows.push(("next", next.to_owned()));
     if !whole {
         let verbose = "how each figure is, and every limit: --verbose, or the page";
         rows.push(("counted", verbose.to_owned()));
@@ -259,11 +237,8 @@ pub fn draft(draft: &Draft) -> String {
     let undercut = "a larger pin radius undercuts the disc";
     rows.push(row("sharpest bend of the pins' path", bend, undercut));
     let force = format!("{} N", number(of.external_force_estimate_n));
-    rows.push(row(
-        "largest pin force",
-        force,
-        "external, rigid: 4 T/(e zs zk)",
-    ));
+    let how = "external, rigid: 4 T/(e zs zk)";
+    rows.push(row("largest pin force", force, how));
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));
@@ -287,16 +262,10 @@ fn how(found: &DesignResult, one: &Figure) -> String {
 }
 
 fn joint(joint: &Joint) -> Section {
-    let springs = Table::of(
-        "Springs of the joint, which act beyond their dead band",
-        &joint.springs,
-    )
-    .figure("Dead band, both sides", "rad", |spring| {
-        2.0 * spring.dead_band_rad
-    })
-    .figure("Stiffness", "N m/rad", |spring| {
-        spring.stiffness_n_m_per_rad
-    });
+    let caption = "Springs of the joint, which act beyond their dead band";
+    let springs = Table::of(caption, &joint.springs)
+        .figure("Dead band, both sides", "rad", |of| 2.0 * of.dead_band_rad)
+        .figure("Stiffness", "N m/rad", |of| of.stiffness_n_m_per_rad);
     Section::new("joint", "As a joint")
         .with(format!(
             "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
@@ -325,12 +294,8 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
             series.push(of_design(designs, k, what, line(x, y)));
         }
     }
-    chart(
-        "Twist of the output, input locked",
-        "Torque on the output (N m)",
-        "Twist (arcmin)",
-        series,
-    )
+    let (x, y) = ("Torque on the output (N m)", "Twist (arcmin)");
+    chart("Twist of the output, input locked", x, y, series)
 }
 
 fn torsion(found: &DesignResult) -> Section {
@@ -365,27 +330,19 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
                 continue; // Points have no dash to distinguish them.
             }
             let harmonics = of.harmonics.iter();
-            let (orders, amplitudes): (Vec<f64>, Vec<f64>) = harmonics
-                .map(|h| (h.input_order, h.amplitude_arcmin))
-                .unzip();
+            let harmonics = harmonics.map(|h| (h.input_order, h.amplitude_arcmin));
+            let (orders, amplitudes): (Vec<f64>, Vec<f64>) = harmonics.unzip();
             let points = line(&orders, &amplitudes).styled(Style::Points);
             spectrum.push(of_design(designs, k, (n, load), points));
         }
     }
-    [
-        chart(
-            "Transmission error",
-            "Input angle (degrees)",
-            "Error about its mean (arcmin)",
-            series,
-        ),
-        Chart::new(
-            "Orders",
-            Axis::linear("Cycles per turn of the input"),
-            Axis::log("Amplitude (arcmin)"),
-            spectrum,
-        ),
-    ]
+    let (x, y) = ("Input angle (degrees)", "Error about its mean (arcmin)");
+    let error = chart("Transmission error", x, y, series);
+    let (x, y) = (
+        Axis::linear("Cycles per turn of the input"),
+        Axis::log("Amplitude (arcmin)"),
+    );
+    [error, Chart::new("Orders", x, y, spectrum)]
 }
 
 fn transmission(found: &DesignResult) -> Section {
@@ -408,21 +365,16 @@ fn transmission(found: &DesignResult) -> Section {
 
 /// Returns the table of the compliance budget, by parts.
 fn budget(found: &DesignResult) -> Table {
-    Table::of(
-        "Compliance budget: what gives way, each part with all before it",
-        &found.budget,
-    )
-    .text("", "Part", |share| share.part)
-    .number("", "Share of the compliance", |share| 100.0 * share.share)
-    .unit("%")
-    .shown(Shown::Digits(3))
-    .figure("Stiffness up to here", "N m/arcmin", |share| {
-        share.stiffness_n_m_per_arcmin
-    })
-    .figure("Lost motion up to here", "arcmin", |share| {
-        share.lost_motion_arcmin
-    })
-    .done()
+    let caption = "Compliance budget: what gives way, each part with all before it";
+    let (stiffness, lost) = ("Stiffness up to here", "Lost motion up to here");
+    Table::of(caption, &found.budget)
+        .text("", "Part", |share| share.part)
+        .number("", "Share of the compliance", |share| 100.0 * share.share)
+        .unit("%")
+        .shown(Shown::Digits(3))
+        .figure(stiffness, "N m/arcmin", |of| of.stiffness_n_m_per_arcmin)
+        .figure(lost, "arcmin", |of| of.lost_motion_arcmin)
+        .done()
 }
 
 /// Describes the fitted compliance and its limitations.
@@ -447,13 +399,12 @@ fn budgeted(share: &Share) -> String {
 }
 
 fn efficiency(found: &DesignResult) -> Section {
+    let rpm = |rad_s: f64| rad_s.abs() * 30.0 / PI;
     let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
-        .figure("Input", "rpm", |run| {
-            run.input_speed_rad_s.abs() * 30.0 / PI
-        })
+        .figure("Input", "rpm", |run| rpm(run.input_speed_rad_s))
         .figure("Load", "N m", |run| run.output_torque_n_m)
         .number("", "Lost in contacts", |run| {
-            run.efficiency.map(|e| e.lost_share)
+            Some(run.efficiency?.lost_share)
         })
         .unit("%")
         .shown(Shown::Percent)
@@ -473,13 +424,11 @@ fn efficiency(found: &DesignResult) -> Section {
 
 fn dimensions(found: &DesignResult) -> Section {
     let lines = found.dimensions.lines(&found.scene);
-    let sizes = Table::of(
-        "Sizes, walls and gaps",
-        lines.iter().filter(|line| line.unit == "m"),
-    )
-    .text("", "What", |line| line.what)
-    .figure("mm", "", |line| 1e3 * line.value)
-    .text("", "How", |line| line.how);
+    let lengths = lines.iter().filter(|line| line.unit == "m");
+    let sizes = Table::of("Sizes, walls and gaps", lengths)
+        .text("", "What", |line| line.what)
+        .figure("mm", "", |line| 1e3 * line.value)
+        .text("", "How", |line| line.how);
     let sizes = Block::folded("What follows from the dimensions", sizes);
     Section::new("dimensions", "Dimensions").with(sizes)
 }

@@ -88,18 +88,11 @@ pub fn text(found: &DesignDiff) -> String {
         });
     let mut all = found.figures.iter();
     let below = all.any(|row| row.judged == Judged::BelowUncertainty);
-    let note = match below {
-        true => {
-            "not shown: the difference is below the uncertainty of both together (after \u{b1})"
-        }
-        false => "",
-    };
-    format!(
-        "{text}\n{}{}\n{}",
-        terminal::table(&figures.done()),
-        paragraph(note),
-        paragraph(&verdict(found).headline)
-    )
+    let note = "not shown: the difference is below the uncertainty of both together (after \u{b1})";
+    let note = paragraph(if below { note } else { "" });
+    let (figures, headline) = (figures.done(), verdict(found).headline);
+    text = format!("{text}\n{}{note}\n", terminal::table(&figures));
+    text + &paragraph(&headline)
 }
 
 /// Returns means and peaks of the first window.
@@ -114,39 +107,29 @@ fn verdict(found: &DesignDiff) -> Verdict {
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
     let (differ, total) = (count(Judged::Differ), all().count());
     let unknown = total - same - below - differ;
-    let headline = if found.identical() {
-        "The designs are identical: every key has the same value".to_owned()
-    } else if differ == 0 {
-        format!(
-            "No difference was shown: none of {total} figures differs by more than its uncertainty"
-        )
-    } else {
-        let most = most(found).into_iter();
-        // Formats e.g. `torsional stiffness × 43.5`.
-        let most = most.map(|row| format!("{} {}", row.def.label, change(row)));
-        match joined("; ", most).as_str() {
-            "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
-            most => format!("{differ} of {total} figures differ, most: {most}"),
+    // `torsional stiffness × 43.5`
+    let most = most(found).into_iter();
+    let most = most.map(|row| format!("{} {}", row.def.label, change(row)));
+    let headline = match (differ, joined("; ", most).as_str()) {
+        _ if found.identical() => {
+            "The designs are identical: every key has the same value".to_owned()
         }
+        (0, _) => format!(
+            "No difference was shown: none of {total} figures differs by more than its uncertainty"
+        ),
+        (_, "") => format!("{differ} of {total} figures differ by more than their uncertainty"),
+        (_, most) => format!("{differ} of {total} figures differ, most: {most}"),
     };
-    let changed = found.changed.len();
-    let changed = format::counted(
-        changed,
-        "key of the scene differs",
-        "keys of the scene differ",
-    );
-    let mut detail = changed;
-    for (count, what) in [
+    let [one, many] = ["key of the scene differs", "keys of the scene differ"];
+    let mut detail = format::counted(found.changed.len(), one, many);
+    let counts = [
         (same, "the same"),
         (below, "with a difference below the uncertainty"),
         (unknown, "with an unknown difference"),
-    ] {
-        if count > 0 {
-            detail.push_str(&format!(
-                ", {} {what}",
-                format::counted(count, "figure", "figures")
-            ));
-        }
+    ];
+    for (count, what) in counts.into_iter().filter(|(count, _)| *count > 0) {
+        let figures = format::counted(count, "figure", "figures");
+        detail.push_str(&format!(", {figures} {what}"));
     }
     if let Some((name, reason)) = found.broken() {
         detail.push_str(&format!(". {name}: {reason}"));
@@ -214,9 +197,8 @@ fn shown(row: &Diff, k: usize) -> String {
 fn tiles(found: &DesignDiff) -> Vec<Tile> {
     let wanted = found.figures.iter().filter(|row| is_headline(&row.def));
     let tile = |row: &Diff| {
-        let [a, b] = row
-            .values
-            .map(|value| value.map_or(NONE.to_owned(), number));
+        let shown = |value: Option<f64>| value.map_or(NONE.to_owned(), number);
+        let [a, b] = row.values.map(shown);
         let judged = match row.judged {
             Judged::Same => "the same".to_owned(),
             Judged::Differ => change(row),
@@ -311,9 +293,8 @@ fn scene(found: &DesignDiff) -> Section {
         other => other.into_iter().collect(),
     };
     if found.identical() {
-        blocks.push(
-            "Every key of both scenes has the same value, but for name and description.".into(),
-        );
+        let same = "Every key of both scenes has the same value, but for name and description.";
+        blocks.push(same.into());
     }
     let derived = found.derived.iter();
     let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
@@ -321,12 +302,9 @@ fn scene(found: &DesignDiff) -> Section {
         let caption = "What follows from the dimensions and the load";
         blocks.push(table(found, caption, differing));
     }
-    if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
-        blocks.push(Block::folded(
-            "Keys that differ because others do",
-            followed,
-        ));
-    }
+    let followed = keys("Keys that both scenes leave to a formula", true);
+    let title = "Keys that differ because others do";
+    blocks.extend(followed.map(|followed| Block::folded(title, followed)));
     Section::new("scene", "What changed").with(blocks)
 }
 

@@ -33,7 +33,7 @@ pub fn text(explanation: &Explanation<'_>) -> String {
     text
 }
 
-/// The gear and its load in the words of a data sheet.
+/// Describes the gear and its load as a data sheet does.
 fn gear(scene: &Scene) -> [(&'static str, String); 3] {
     let (gear, drive) = (&scene.gear, &scene.drive);
     let inner = match &scene.cranks {
@@ -42,29 +42,17 @@ fn gear(scene: &Scene) -> [(&'static str, String); 3] {
     };
     let discs = if gear.wheels == 1 { "disc" } else { "discs" };
     let rpm = 30.0 * drive.input_speed_rad_s / std::f64::consts::PI;
+    let (count, radius_mm) = (gear.external_sleeves, number(1e3 * gear.pitch_radius_m()));
+    let pins = format!("{count} ring pins on a radius of {radius_mm} mm");
+    let (rpm, load) = (number(rpm), drive.output_torque_n_m);
     [
         ("ratio", format!("{} : 1", scene.ratio())),
-        (
-            "parts",
-            format!(
-                "{} {discs}, {} ring pins on a radius of {} mm, {inner}",
-                gear.wheels,
-                gear.external_sleeves,
-                number(1e3 * gear.pitch_radius_m())
-            ),
-        ),
-        (
-            "drive",
-            format!(
-                "input at {} rpm, load of {} N m",
-                number(rpm),
-                drive.output_torque_n_m
-            ),
-        ),
+        ("parts", format!("{} {discs}, {pins}, {inner}", gear.wheels)),
+        ("drive", format!("input at {rpm} rpm, load of {load} N m")),
     ]
 }
 
-/// A figure in the unit that people use for it.
+/// Formats a figure in its customary unit.
 fn shown(line: &Line) -> String {
     match line.unit {
         "m" => format!("{:.4} mm", 1e3 * line.value),
@@ -86,17 +74,17 @@ fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
 }
 
 fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
-    let phase = |what: &str, same: bool| {
-        let how = match same {
+    let of = &explanation.derived;
+    let mut rows = figures(explanation, true);
+    for (what, in_phase) in [
+        ("discs at the ring pins", of.external_ripple_in_phase),
+        ("discs at the output pins", of.internal_ripple_in_phase),
+    ] {
+        let how = match in_phase {
             true => "in phase: no ripple cancels",
             false => "out of phase: ripple partly cancels",
         };
-        [what.to_owned(), String::new(), how.to_owned()]
-    };
-    let of = &explanation.derived;
-    let (external, internal) = (of.external_ripple_in_phase, of.internal_ripple_in_phase);
-    let mut rows = figures(explanation, true);
-    rows.push(phase("discs at the ring pins", external));
-    rows.push(phase("discs at the output pins", internal));
+        rows.push([what, "", how].map(str::to_owned));
+    }
     rows
 }

@@ -47,7 +47,7 @@ fn moved(motion: Option<&Motion>) -> Result<(Animation, Value), String> {
         };
         (0..times).map(at).collect()
     };
-    let told = json!({
+    let curves = json!({
         "time": short(series.time_s()),
         "series": {
             "Largest external force (N)": largest(columns::EXTERNAL_FORCE),
@@ -55,7 +55,7 @@ fn moved(motion: Option<&Motion>) -> Result<(Animation, Value), String> {
             "Driver torque (N m)": torque,
         },
     });
-    Ok((view, told))
+    Ok((view, curves))
 }
 
 /// Returns figures of a state's balances for the page: label, value, unit, formatted value, bounds, and numerical
@@ -63,32 +63,33 @@ fn moved(motion: Option<&Motion>) -> Result<(Animation, Value), String> {
 #[must_use]
 pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> Value {
     let shown = figures.iter().filter(|one| is_headline(&one.def));
-    let told = shown.map(|one| {
+    let rows = shown.map(|one| {
         let (shown, bounds) = figure::shown(one);
+        let def = &one.def;
         json!([
-            one.def.label,
+            def.label,
             one.value,
-            one.def.unit,
+            def.unit,
             shown,
             bounds,
             one.uncertainty
         ])
     });
     let margin = limits.and_then(|limits| {
-        let (_, why) = answer(limits);
-        let margin = limits.margin?;
+        let ((_, why), margin) = (answer(limits), limits.margin?);
+        let shown = significant(margin, 3);
         Some(json!([
             "least margin of a limit",
             margin,
             "",
-            significant(margin, 3),
+            shown,
             why,
             Value::Null
         ]))
     });
-    let told: Vec<Value> = told.chain(margin).collect();
+    let rows: Vec<Value> = rows.chain(margin).collect();
     let why = band::declined(scene).map(|why| format!("No band by contact law: {why}."));
-    json!({"figures": told, "why": why})
+    json!({"figures": rows, "why": why})
 }
 
 /// The sample of a state's tolerances, as the page's script reads it: a share and its ends.

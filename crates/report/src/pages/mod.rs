@@ -5,7 +5,7 @@
 //!                      └> comparison::text
 //! ```
 //!
-//! One file or folder for each study, as functions of its result. They read, write and print nothing, and compute nothing
+//! Pages and texts of each study, as functions of its result. They read, write and print nothing, and compute nothing
 //! except for the answers of [`explore`]. Text contains escape sequences for styles ([`crate::terminal`]).
 //!
 //! ```

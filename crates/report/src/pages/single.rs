@@ -1,4 +1,4 @@
-//! One run, on a page and on a terminal.
+//! Page and terminal text of a run.
 
 use crate::figure::{self, cell, sentence};
 use crate::format::{self, NONE, joined};
@@ -44,10 +44,8 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
         rows.push(("efficiency", share.withheld.clone().unwrap_or_else(said)));
     }
     let lost = FRICTION.iter().filter_map(|def| found.get(def));
-    let lost = joined(
-        ", ",
-        lost.map(|share| format!("{} {} %", share.def.label, percent(share))),
-    );
+    let lost = lost.map(|share| format!("{} {} %", share.def.label, percent(share)));
+    let lost = joined(", ", lost);
     if !lost.is_empty() {
         rows.push(("friction", lost));
     }
@@ -85,15 +83,13 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
     let share = results.get(&SHARE_DELIVERED);
     let share = share.map(|share| share.scaled(100.0, "%"));
     let forces = results.figures.iter();
-    let forces = forces.filter(|one| {
-        ["mean_input", "peak_"]
-            .iter()
-            .any(|key| one.def.key.starts_with(key))
-    });
-    let heads = forces.chain(&share);
-    let facts = settings(found)
-        .into_iter()
-        .filter(|(_, said)| !said.is_empty());
+    let is_head = |one: &&Figure| {
+        let mut keys = ["mean_input", "peak_"].iter();
+        keys.any(|key| one.def.key.starts_with(key))
+    };
+    let heads = forces.filter(is_head).chain(&share);
+    let facts = settings(found).into_iter();
+    let facts = facts.filter(|(_, said)| !said.is_empty());
     let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
     let over_time = time_series(found);
     let over_time = over_time.map(|drawn| Section::new("courses", "Over time").with(drawn));
@@ -129,11 +125,11 @@ fn decision<'a>(
     heads: impl Iterator<Item = &'a Figure>,
     made: &Provenance,
 ) -> Decision {
-    let right = match &found.resolution {
+    let (mark, why) = match &found.resolution {
         Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
         None => (Mark::Warn, "one engine alone".to_owned()),
     };
-    let right = Question::Right.answered(right.0, "not compared", right.1);
+    let right = Question::Right.answered(mark, "not compared", why);
     let bears = found.limits.as_ref().map(bears);
     let next = crate::pages::next(made, "compare", "whether other engines agree");
     [Some(right), bears, crate::pages::sure(heads), Some(next)]
@@ -164,23 +160,16 @@ fn time_series(found: &Outcome) -> Option<Block> {
 /// Returns facts on the computation of a run, and on the bounds of its figures.
 fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
     let stats = &found.run.stats;
-    let bands = found.bands.as_ref();
-    let mut rows = Vec::new();
-    rows.extend(bands.into_iter().flat_map(band::rows));
+    let mut rows = Vec::from_iter(found.bands.iter().flat_map(band::rows));
     rows.extend(doubts(&found.scene));
-    let track = found.track.as_str();
-    let (samples, end_s) = (
-        found.run.time_series.len(),
-        format::plain(found.scene.solver.duration_s),
-    );
+    let engine = format!("{} {} ({})", found.engine, found.version, found.track);
+    let samples = found.run.time_series.len();
+    let end_s = format::plain(found.scene.solver.duration_s);
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);
     let steps = format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls);
     let freedom = format!("{} velocities integrated", stats.degrees_of_freedom);
     rows.extend([
-        (
-            "engine",
-            format!("{} {} ({track})", found.engine, found.version),
-        ),
+        ("engine", engine),
         ("settings", stats.settings.clone()),
         ("samples", format!("{samples}, to {end_s} s")),
         ("time", time),

@@ -164,11 +164,9 @@ fn drawn<'a>(
     styles: &[usize],
     notes: &mut Vec<String>,
 ) -> Vec<Drawn<'a>> {
-    let mut list: Vec<(usize, &Participant)> = participants
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| !p.time_series.is_empty())
-        .collect();
+    let list = participants.iter().enumerate();
+    let list = list.filter(|(_, p)| !p.time_series.is_empty());
+    let mut list: Vec<(usize, &Participant)> = list.collect();
     list.sort_by_key(|(place, p)| {
         let finished = p.status.is_finished();
         let samples = usize::MAX - p.time_series.len();
@@ -188,10 +186,10 @@ fn drawn<'a>(
                 style: styles[place],
                 places,
             }),
-            None => notes.push(format!(
-                "{} is not drawn: its sample times differ.",
-                participant.name
-            )),
+            None => {
+                let name = &participant.name;
+                notes.push(format!("{name} is not drawn: its sample times differ."));
+            }
         }
     }
     drawn
@@ -230,15 +228,12 @@ fn fitting(
     let mut plan = whole;
     // Skips packing of a long run that is certainly too large: a value takes at least a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
-    plan.samples = plan
-        .samples
-        .min((4 * BUDGET / columns.max(1)).max(FEW_SAMPLES));
+    let most = (4 * BUDGET / columns.max(1)).max(FEW_SAMPLES);
+    plan.samples = plan.samples.min(most);
     loop {
-        let packed: Vec<ChartQuantity> = quantities
-            .iter()
-            .map(|q| quantity(q, drawn, plan))
-            .filter(|q| !q.channels.is_empty())
-            .collect();
+        let packed = quantities.iter().map(|q| quantity(q, drawn, plan));
+        let packed = packed.filter(|q| !q.channels.is_empty());
+        let packed: Vec<ChartQuantity> = packed.collect();
         let channels = packed.iter().flat_map(|q| &q.channels);
         let size: usize = channels.map(|c| c.packed.len()).sum();
         if size <= BUDGET {
@@ -315,13 +310,11 @@ fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuanti
             return shown;
         }
     }
-    let entries = comparison.pairs.iter().flat_map(|pair| &pair.entries);
-    let differs = entries
-        .filter(|e| e.result.verdict == Verdict::Differ)
-        .find_map(|e| quantities.iter().position(|q| q.name == e.quantity));
-    let force = quantities
-        .iter()
-        .position(|q| q.name == columns::EXTERNAL_FORCE);
+    let place = |name: &str| quantities.iter().position(|q| q.name == name);
+    let mut entries = comparison.pairs.iter().flat_map(|pair| &pair.entries);
+    let differs =
+        entries.find_map(|e| place(&e.quantity).filter(|_| e.result.verdict == Verdict::Differ));
+    let force = place(columns::EXTERNAL_FORCE);
     [differs.or(force).unwrap_or(0), 0, 0]
 }
 
@@ -357,28 +350,23 @@ fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuanti
         drawn.iter().filter(rig).any(has)
     };
     let chosen = plan.chosen(quantity.channels.len());
-    let channels = quantity
-        .channels
-        .iter()
-        .enumerate()
-        .filter(|(k, name)| chosen.contains(k) || measured(name))
-        .filter_map(|(_, name)| channel(name, &quantity.name, drawn, plan))
-        .collect();
+    let names = quantity.channels.iter().enumerate();
+    let names = names.filter(|(k, name)| chosen.contains(k) || measured(name));
+    let channels = names.filter_map(|(_, name)| channel(name, &quantity.name, drawn, plan));
     ChartQuantity {
         name: quantity.name.clone(),
         label: quantity.label.clone(),
         unit: quantity.unit.clone(),
         bands: Vec::new(),
-        channels,
+        channels: channels.collect(),
     }
 }
 
 /// Returns a channel; `None` if no engine has it. The base for differences is the first engine with most samples of it.
 fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<ChartChannel> {
     let all = drawn.first()?.places.len();
-    let mut order: Vec<usize> = (0..drawn.len())
-        .filter(|&k| drawn[k].participant.time_series.channel(name).is_some())
-        .collect();
+    let has = |k: &usize| drawn[*k].participant.time_series.channel(name).is_some();
+    let mut order: Vec<usize> = (0..drawn.len()).filter(has).collect();
     order.sort_by_key(|&k| all - drawn[k].places.len());
     let first = drawn.get(*order.first()?)?;
     let mut base = vec![f64::NAN; all];
@@ -396,20 +384,17 @@ fn channel(name: &str, group: &str, drawn: &[Drawn<'_>], plan: Plan) -> Option<C
     });
     let having: Vec<(usize, Vec<(usize, f64)>)> = having.collect();
     let kept = kept(&base, &having, plan.samples);
-    let stays = |place: usize| kept.is_empty() || kept.binary_search(&place).is_ok();
+    let stays = |place: &usize| kept.is_empty() || kept.binary_search(place).is_ok();
     let mut writer = Writer::default();
     writer.places(&kept);
-    let (_, own) = having.first()?;
-    let values: Vec<f64> = own
-        .iter()
-        .filter(|(place, _)| stays(*place))
-        .map(|(place, _)| base[*place])
-        .collect();
-    writer.column(&values, Rounding::OfPeak(VALUE_DIGITS));
-    for (_, differences) in &having[1..] {
-        let values = differences.iter().filter(|(place, _)| stays(*place));
-        let values: Vec<f64> = values.map(|(_, value)| *value).collect();
-        writer.column(&values, Rounding::OfBlock(plan.digits));
+    for (n, (_, differences)) in having.iter().enumerate() {
+        let (rounding, own) = match n {
+            0 => (Rounding::OfPeak(VALUE_DIGITS), true),
+            _ => (Rounding::OfBlock(plan.digits), false),
+        };
+        let stored = differences.iter().filter(|(place, _)| stays(place));
+        let stored = stored.map(|(place, off)| if own { base[*place] } else { *off });
+        writer.column(&stored.collect::<Vec<_>>(), rounding);
     }
     let label = name.strip_prefix(group).unwrap_or_default();
     Some(ChartChannel {

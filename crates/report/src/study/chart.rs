@@ -155,24 +155,18 @@ fn ordered(series: &Series) -> (Vec<f64>, Vec<f64>, Vec<&str>) {
     let count = series.x.len().min(series.y.len());
     let mut order: Vec<usize> = (0..count).filter(|&k| series.x[k].is_finite()).collect();
     order.sort_by(|&a, &b| series.x[a].total_cmp(&series.x[b]));
-    let tags = if series.tags.len() >= count {
-        order.iter().map(|&k| series.tags[k].as_str()).collect()
-    } else {
-        Vec::new()
-    };
-    (
-        order.iter().map(|&k| series.x[k]).collect(),
-        order.iter().map(|&k| series.y[k]).collect(),
-        tags,
-    )
+    let of = |values: &[f64]| order.iter().map(|&k| values[k]).collect();
+    let tags = order
+        .iter()
+        .filter_map(|&k| series.tags.get(k))
+        .map(String::as_str);
+    let tags = tags.filter(|_| series.tags.len() >= count).collect();
+    (of(&series.x), of(&series.y), tags)
 }
 
 fn encode(values: &[f64]) -> String {
-    let bytes: Vec<u8> = values
-        .iter()
-        .flat_map(|&v| (v as f32).to_le_bytes())
-        .collect();
-    STANDARD.encode(bytes)
+    let bytes = values.iter().flat_map(|&v| (v as f32).to_le_bytes());
+    STANDARD.encode(bytes.collect::<Vec<u8>>())
 }
 
 #[cfg(test)]

@@ -319,7 +319,7 @@ impl Block {
     }
 }
 
-/// One or several blocks; strings are paragraphs.
+/// Blocks of a section; strings are paragraphs.
 #[derive(Debug, Clone, Default)]
 pub struct Blocks(pub Vec<Block>);
 

@@ -49,8 +49,7 @@ pub fn render(study: &Study) -> String {
         below = below,
         no_script = match drawn.charts.as_slice() {
             [] => "",
-            _ =>
-                "<noscript><p class=\"notice\">The charts need a script. Everything else on this page reads without it.</p></noscript>",
+            _ => NO_SCRIPT,
         },
         aside = match aside.as_str() {
             "" => String::new(),
@@ -69,6 +68,9 @@ pub fn render(study: &Study) -> String {
         scripts = drawn.scripts(),
     )
 }
+
+/// Notice in place of charts.
+const NO_SCRIPT: &str = "<noscript><p class=\"notice\">The charts need a script. Everything else on this page reads without it.</p></noscript>";
 
 /// Joins the markup of all items.
 fn each<T>(all: &[T], html: impl FnMut(&T) -> String) -> String {
@@ -117,15 +119,12 @@ fn banner(verdict: &Verdict) -> String {
 }
 
 fn tiles(study: &Study) -> String {
-    if study.tiles.is_empty() {
-        return String::new();
-    }
-    let title = match study.tiles_title.as_str() {
-        "" => String::new(),
-        title => format!(
-            "<h2 class=\"small\">Figures <span class=\"unit\">{}</span></h2>",
-            escape(title)
-        ),
+    let title = match (study.tiles_title.as_str(), study.tiles.as_slice()) {
+        ("", _) | (_, []) => String::new(),
+        (title, _) => {
+            let title = escape(title);
+            format!("<h2 class=\"small\">Figures <span class=\"unit\">{title}</span></h2>")
+        }
     };
     title + &tile_list("tiles", &study.tiles)
 }
@@ -193,16 +192,12 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             format!("<ul class=\"points\">{points}</ul>")
         }
         Block::Facts(facts) => {
-            let facts = each(facts, |fact| {
-                let [label, class, said] = fact_parts(fact);
-                format!("<dt>{label}</dt><dd class=\"{class}\">{said}</dd>")
-            });
+            let facts = each(facts, |fact| fact_html(fact, "<dt>", "</dt><dd", "</dd>"));
             format!("<dl class=\"facts\">{facts}</dl>")
         }
         Block::Columns(facts) => {
             let columns = each(facts, |fact| {
-                let [label, class, said] = fact_parts(fact);
-                format!("<div><h3>{label}</h3><p class=\"{class}\">{said}</p></div>")
+                fact_html(fact, "<div><h3>", "</h3><p", "</p></div>")
             });
             format!("<div class=\"columns facing\">{columns}</div>")
         }
@@ -305,11 +300,10 @@ fn table_html(table: &Table) -> String {
     )
 }
 
-/// Returns label of a fact, class, and text with the sign of its mark.
-fn fact_parts(fact: &Fact) -> [String; 3] {
-    let (class, sign) = sign(fact.mark);
-    let said = format!("{sign}{}", inline(&fact.text));
-    [escape(&fact.label), class.to_owned(), said]
+/// Returns the label of a fact and its text with the sign of its mark, in these elements.
+fn fact_html(fact: &Fact, before: &str, between: &str, behind: &str) -> String {
+    let (label, (class, sign), text) = (escape(&fact.label), sign(fact.mark), inline(&fact.text));
+    format!("{before}{label}{between} class=\"{class}\">{sign}{text}{behind}")
 }
 
 /// Returns a cell; the `first` is the row's heading.
@@ -349,23 +343,17 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
 }
 
 /// Returns the class of a mark, and its sign.
-fn sign(mark: Mark) -> (&'static str, &'static str) {
-    match mark {
-        Mark::None => ("", ""),
-        Mark::Good => (
-            "good",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
-        ),
-        Mark::Bad => (
-            "bad",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
-        ),
-        Mark::Warn => (
-            "warn",
-            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
-        ),
-        Mark::Muted => ("muted", ""),
-    }
+fn sign(mark: Mark) -> (&'static str, String) {
+    let (class, sign, words) = match mark {
+        Mark::None => return ("", String::new()),
+        Mark::Good => ("good", "\u{2713}", "holds"),
+        Mark::Bad => ("bad", "\u{2715}", "does not hold"),
+        Mark::Warn => ("warn", "!", "note"),
+        Mark::Muted => return ("muted", String::new()),
+    };
+    let sign = format!("<i class=\"sign\" aria-hidden=\"true\">{sign}</i>");
+    let sign = format!("{sign}<span class=\"unseen\">{words}: </span> ");
+    (class, sign)
 }
 
 /// Returns escaped text in which `` `these` `` are code.

@@ -16,7 +16,7 @@ pub enum Judged {
     Differ,
     /// Values differ, but their uncertainty is unknown.
     NotKnown,
-    /// One of the two values does not exist.
+    /// Missing value on one side or both.
     Missing,
 }
 

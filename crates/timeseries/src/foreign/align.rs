@@ -67,10 +67,8 @@ impl Shift {
             format!("{seconds:.decimals$}")
         };
         let (by, off) = (tidy(self.seconds), self.uncertainty_s);
-        let mut fit = format!(
-            "correlation {:.4} instead of {:.4}",
-            self.correlation, self.unshifted
-        );
+        let (shifted, unshifted) = (self.correlation, self.unshifted);
+        let mut fit = format!("correlation {shifted:.4} instead of {unshifted:.4}");
         if let Some(rival) = self.rival {
             let rival = tidy(rival);
             fit += &format!(
@@ -253,10 +251,8 @@ fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f6
 fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, back) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
+    let forward = planner.plan_fft_forward(length);
+    let back = planner.plan_fft_inverse(length);
     let spectrum = |values: &[f64]| {
         let mut input = forward.make_input_vec();
         input[..values.len()].copy_from_slice(values);

@@ -31,9 +31,8 @@ const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
 
 /// True if a participant of that name would overwrite a file of the report.
 pub fn is_reserved(name: &str) -> bool {
-    RESERVED
-        .iter()
-        .any(|taken| name.eq_ignore_ascii_case(taken))
+    let mut taken = RESERVED.iter();
+    taken.any(|taken| name.eq_ignore_ascii_case(taken))
 }
 
 /// Map of a foreign file.
@@ -362,10 +361,12 @@ impl Map {
     pub fn uncertainty_of(&self, channel: &str) -> Option<ColumnUncertainty> {
         let fits = |name: &str| match name.split_once('*') {
             None => name == channel,
-            Some((head, tail)) => channel
-                .strip_prefix(head)
-                .and_then(|rest| rest.strip_suffix(tail))
-                .is_some_and(|number| number.parse::<usize>().is_ok()),
+            Some((head, tail)) => {
+                let number = channel
+                    .strip_prefix(head)
+                    .and_then(|of| of.strip_suffix(tail));
+                number.is_some_and(|number| number.parse::<usize>().is_ok())
+            }
         };
         let mut sources = self.columns.iter();
         let (_, source) = sources.find(|(name, _)| fits(name))?;
@@ -548,14 +549,13 @@ impl Source {
         )?;
         let unit = full.unit.as_deref().unwrap_or_default();
         match full.unit.as_ref().map(|unit| units::factor(name, unit)) {
-            Some(Err(fitting)) if fitting.is_empty() => Err((
-                format!("cannot be in `{unit}`"),
-                "leave it out and give a factor".to_owned(),
-            )),
-            Some(Err(fitting)) => Err((
-                format!("cannot be in `{unit}`"),
-                format!("write one of {}", fitting.join(", ")),
-            )),
+            Some(Err(fitting)) => {
+                let remedy = match fitting.is_empty() {
+                    true => "leave it out and give a factor".to_owned(),
+                    false => format!("write one of {}", fitting.join(", ")),
+                };
+                Err((format!("cannot be in `{unit}`"), remedy))
+            }
             _ => Ok(()),
         }
     }

@@ -53,10 +53,8 @@ pub fn resample(
     let (stretch, gaps_s) = longest_stretch(foreign, how.longest_gap);
     let time = &own_times[stretch.clone()];
     let ends = |times: &[f64]| {
-        (
-            times.first().copied().unwrap_or(0.0),
-            times.last().copied().unwrap_or(0.0),
-        )
+        let ends = times.first().zip(times.last());
+        ends.map_or((0.0, 0.0), |(first, last)| (*first, *last))
     };
     let (from_s, to_s) = ends(time);
     let slack = SAME * usual_spacing(time);
@@ -88,10 +86,8 @@ pub fn resample(
             "the file has {inside} rows in the run's {run_from_s} to {run_to_s} s, too few to compare"
         ));
     }
-    let places: Vec<Place> = times_s[covered.clone()]
-        .iter()
-        .map(|&t| Place::of(time, t, slack))
-        .collect();
+    let places = times_s[covered.clone()].iter();
+    let places: Vec<Place> = places.map(|&t| Place::of(time, t, slack)).collect();
     let at_own = |place: &&Place| matches!(place, Place::At(_));
     let own = places.iter().filter(at_own).count();
     let interpolated = places.len() - own;
@@ -161,16 +157,12 @@ fn between(time: &[f64], values: &[f64], k: usize, t: f64, method: Method) -> f6
         }
     };
     let around = around.start..around.end.min(time.len());
-    around
-        .clone()
-        .map(|i| {
-            let others = around.clone().filter(|&j| j != i);
-            let weight: f64 = others
-                .map(|j| (t - time[j]) / (time[i] - time[j]))
-                .product();
-            weight * values[i]
-        })
-        .sum()
+    let term = |i: usize| {
+        let others = around.clone().filter(|&j| j != i);
+        let factors = others.map(|j| (t - time[j]) / (time[i] - time[j]));
+        factors.product::<f64>() * values[i]
+    };
+    around.clone().map(term).sum()
 }
 
 /// Returns the relative L2 error of restoring every second sample from the others; `None` with too few.
@@ -181,14 +173,9 @@ fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
         return None;
     }
     let left_out = (1..time.len().saturating_sub(1)).step_by(2);
-    let (restored, own): (Vec<f64>, Vec<f64>) = left_out
-        .map(|k| {
-            (
-                between(&kept_time, &kept, k / 2, time[k], method),
-                values[k],
-            )
-        })
-        .unzip();
+    let restored = |k: usize| between(&kept_time, &kept, k / 2, time[k], method);
+    let both = left_out.map(|k| (restored(k), values[k]));
+    let (restored, own): (Vec<f64>, Vec<f64>) = both.unzip();
     let error = relative_l2(&restored.as_slice().into(), &own.as_slice().into(), 0.0);
     Some(error).filter(|value| value.is_finite())
 }

@@ -57,16 +57,12 @@ fn gear_json(scene: &Scene) -> Value {
     // Coordinates rounded to a tenth of a nanometre.
     let place = |[x, y]: [f64; 2], radius: f64| [x, y, radius].map(|v| (1e10 * v).round() * 1e-7);
     let outer = |j| {
-        place(
-            gear.external_sleeve_m(j),
-            gear.external_sleeve_radius_of_m(j),
-        )
+        let radius_m = gear.external_sleeve_radius_of_m(j);
+        place(gear.external_sleeve_m(j), radius_m)
     };
     let inner = |k| {
-        place(
-            gear.internal_sleeve_m(k),
-            gear.internal_sleeve_radius_of_m(k),
-        )
+        let radius_m = gear.internal_sleeve_radius_of_m(k);
+        place(gear.internal_sleeve_m(k), radius_m)
     };
     let lobes = gear.external_sleeves as f64 - 1.0;
     let body = |i: usize| {

@@ -61,11 +61,7 @@ pub(super) fn column<R>(
 
 /// Returns the reason for a series without a finished point; `None` if it has one.
 pub fn failure(series: &Series) -> Option<String> {
-    if series
-        .points
-        .iter()
-        .any(|point| point.ending == Ending::Finished)
-    {
+    if series.points.iter().any(|of| of.ending == Ending::Finished) {
         return None;
     }
     let last = series.points.last().map(|point| &point.ending);

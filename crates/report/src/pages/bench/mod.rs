@@ -2,16 +2,16 @@
 
 use crate::format::{self, limit, significant};
 use crate::study::{Decision, Mark, Question, Section, Study, Tone, Verdict};
+use crate::terminal::{self, paragraphs, titled};
 use pinwheel_engines::SharedModel;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::bench::{CostAt, Ranking, WorkPrecision};
+use pinwheel_timeseries::table::Table;
 
 mod figures;
 mod sections;
-mod text;
 
 pub use figures::failure;
-pub use text::text;
 
 /// Returns the page.
 pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
@@ -62,11 +62,9 @@ fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance)
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
     let lead = ranking.advantage.as_ref()?;
     let factor = significant(lead.ratio, 2);
+    let bound = " A bound stands where a series ends before this error.";
     let [least, bound] = match lead.at_least {
-        true => [
-            "at least ",
-            " A bound stands where a series ends before this error.",
-        ],
+        true => ["at least ", bound],
         false => [""; 2],
     };
     let peer = match lead.peer_cpu_s.reached() {
@@ -90,4 +88,41 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
             bound
         ),
     })
+}
+
+/// Returns the cost of the target with every engine and method, without the path of the page.
+pub fn text(study: &WorkPrecision) -> String {
+    let ranking = study.ranking(0, study.options.target);
+    let rows = study.series.iter().zip(&ranking.entries);
+    let table = Table::of("", rows).text("", "engine", |(_, entry)| &entry.label);
+    let table = figures::column(table, "CPU", figures::cpu, |(_, entry)| entry.cpu_s);
+    let table = figures::column(table, "right-hand sides", figures::count, |(_, entry)| {
+        entry.rhs_calls
+    });
+    let table = table
+        .text("", "note", |(series, entry)| match entry.cpu_s {
+            Some(cost) if cost.reached() => String::new(),
+            _ => figures::end(series),
+        })
+        .marked(|_| Mark::Muted);
+    let (name, error) = (&study.scene.name, ranking.error);
+    let over_s = study.scene.solver.duration_s;
+    let title = format!("{name}: cost of a relative L2 force error of {error:e} over {over_s} s");
+    let both = [&study.reference.solution, &study.reference.second];
+    let [first, second] = both.map(|of| &of.method);
+    let apart = study.reference_errors[0].force_l2;
+    let reference = format!("reference: {first} against {second}, apart {apart:.1e}\n");
+    let lead = ranking.advantage.as_ref().map(|lead| {
+        let [words, peer] = match lead.peer_cpu_s.reached() {
+            true => ["", "the fastest peer that got there"],
+            false => ["no peer got there; ", "which stopped before"],
+        };
+        let least = if lead.at_least { "at least " } else { "" };
+        format!(
+            "{words}native ({}) is {least}{:.0} times faster than {}, {peer}",
+            lead.native, lead.ratio, lead.peer
+        )
+    });
+    let table = terminal::table(&table.done());
+    titled(&title, [table, reference, paragraphs(lead)])
 }

@@ -141,11 +141,9 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
     });
     let mut series: Vec<Series> = series.collect();
     let floor = study.reference_errors[window].force_l2;
-    let costs = || series.iter().flat_map(|s| s.x.iter().copied());
-    let ends = [
-        costs().fold(f64::INFINITY, f64::min),
-        costs().fold(0.0, f64::max),
-    ];
+    let costs = series.iter().flat_map(|s| s.x.iter().copied());
+    let least = costs.clone().fold(f64::INFINITY, f64::min);
+    let ends = [least, costs.fold(0.0, f64::max)];
     if floor > 0.0 && !series.is_empty() {
         let own = Series::line("reference's own error", ends, [floor; 2]);
         series.push(own.styled(Style::Dashed));
@@ -173,12 +171,9 @@ fn reference(study: &WorkPrecision) -> Section {
             AccuracySetting::Step => ("steps of", " s"),
             AccuracySetting::Tolerance => ("tolerance", ""),
         };
-        format!(
-            "`{}`, {knob} {}{unit}, {} right-hand sides",
-            solution.method,
-            plain(solution.setting),
-            figures::calls(solution.rhs_calls as f64)
-        )
+        let (method, setting) = (&solution.method, plain(solution.setting));
+        let calls = figures::calls(solution.rhs_calls as f64);
+        format!("`{method}`, {knob} {setting}{unit}, {calls} right-hand sides")
     };
     let rows = study.windows.iter().zip(&study.reference_errors);
     let mut table =

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figure::shown;
-use crate::format::{joined, significant};
+use crate::format::{grouped, joined, significant};
 use crate::study::{Decision, Fact, Mark, Question, Tone, Verdict};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
@@ -40,7 +40,7 @@ impl<'a> Answer<'a> {
         &self.found.comparison
     }
 
-    /// Returns the verdict with the main figure.
+    /// Returns the verdict with the main figure, and the counts of all verdicts.
     pub(super) fn verdict(&self) -> Verdict {
         let (tone, word, said) = self.judged();
         Verdict {
@@ -49,7 +49,7 @@ impl<'a> Answer<'a> {
                 "" => word,
                 said => format!("{word}: {said}"),
             },
-            detail: self.summary(),
+            detail: words::counts(self.comparison()),
         }
     }
 
@@ -69,10 +69,8 @@ impl<'a> Answer<'a> {
                 _ => Fact::new("limit", mark, one.line.as_str()),
             }
         };
-        findings
-            .map(fact)
-            .chain(stages::facts(self.found))
-            .collect()
+        let stages = stages::facts(self.found);
+        findings.map(fact).chain(stages).collect()
     }
 
     /// Returns a limitation of an agreement: only native engines agree, or all share the contact law.
@@ -99,12 +97,9 @@ impl<'a> Answer<'a> {
         let found = self.found;
         let mut twins = found.twins.iter();
         if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
-            let worst = twin.worst().map(|worst| percent(worst.difference()));
-            let said = format!(
-                "{} is {} from a native run with the same contacts",
-                words::short(&twin.engine),
-                worst.unwrap_or_default()
-            );
+            let off = twin.worst().map(|worst| percent(worst.difference()));
+            let (engine, off) = (words::short(&twin.engine), off.unwrap_or_default());
+            let said = format!("{engine} is {off} from a native run with the same contacts");
             return (Tone::Bad, "Differs".to_owned(), said);
         }
         let (tone, word) = self.of_engines();
@@ -151,21 +146,6 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Returns a sentence on the engines that agree, and one on the largest difference.
-    fn summary(&self) -> String {
-        let (engines, programs) = self.agreeing();
-        let agree = match engines {
-            0 => "No two engines agree.".to_owned(),
-            n if programs == 1 => format!("{n} solvers of one program agree."),
-            n => format!("{n} engines of {programs} programs agree."),
-        };
-        let most = self.found.largest().filter(|most| most.share() > SEEN);
-        let most = most.map_or_else(String::new, |most| {
-            format!(" Largest difference: {}.", self.apart(&most))
-        });
-        agree + &most
-    }
-
     /// Returns the number of engines that agree with another one on the scene's law, and of their programs.
     fn agreeing(&self) -> (usize, usize) {
         let agree = self.entries(SHARES);
@@ -197,8 +177,7 @@ impl<'a> Answer<'a> {
         let said = self.equations().text;
         let (said, why) = said.split_once([';', ':']).unwrap_or((&said, ""));
         let right = Question::Right.answered(mark, said, why.trim_start());
-        let next = self.open();
-        let next = match next.first() {
+        let next = match self.open().first() {
             None => pages::next(made, "design", "stiffness, lost motion, pressure"),
             Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
         };
@@ -228,8 +207,7 @@ impl<'a> Answer<'a> {
         of: impl Fn(&Pair) -> bool,
     ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
         let pairs = self.found.comparison.pairs.iter();
-        let pairs = pairs.filter(move |pair| of(pair));
-        pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
+        words::entries(pairs.filter(move |pair| of(pair)))
     }
 
     /// Returns the pair of a verdict with the largest difference: `reduced and exudyn-constrained, output pin force: D =
@@ -265,17 +243,12 @@ impl<'a> Answer<'a> {
             let text = "no agreement yet: no two engines with the scene's law were compared";
             return fact(Mark::Warn, text.to_owned());
         };
-        let (mark, agree) = match self.agreeing() {
-            (n, 1) => (
-                Mark::Warn,
-                format!("{n} solvers of our own agree; no other program. At"),
-            ),
-            (n, programs) => (
-                Mark::Good,
-                format!("{n} engines of {programs} programs agree; at"),
-            ),
+        let (engines, programs) = self.agreeing();
+        let agree = match programs {
+            1 => format!("{engines} solvers of our own agree; no other program. At"),
+            n => format!("{engines} engines of {n} programs agree; at"),
         };
-        fact(mark, format!("{agree} most {worst}"))
+        fact(Mark::good(programs != 1), format!("{agree} most {worst}"))
     }
 
     /// Returns engines whose output torque and load do not match the output's acceleration.
@@ -303,11 +276,9 @@ impl<'a> Answer<'a> {
             let unknown = "how far the runs are from the exact solution is not known";
             return fact(Mark::Warn, unknown);
         };
-        let mut text = format!(
-            "{} is within {} of the exact solution, by its coarser runs",
-            best.name,
-            (self.number)(own)
-        );
+        let (name, within) = (&best.name, (self.number)(own));
+        let mut text =
+            format!("{name} is within {within} of the exact solution, by its coarser runs");
         // The scene's method and step.
         let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
         let mut scene = comparison.engines.iter();
@@ -317,11 +288,7 @@ impl<'a> Answer<'a> {
             let off = (self.number)(off);
             text += &format!("; the scene's own step ({engine}) {off}");
         }
-        let mark = match own <= comparison.resolution {
-            true => Mark::Good,
-            false => Mark::Warn,
-        };
-        fact(mark, &text)
+        fact(Mark::good(own <= comparison.resolution), &text)
     }
 
     fn contacts(&self) -> Fact {
@@ -335,11 +302,8 @@ impl<'a> Answer<'a> {
         let twins = self.found.twins.iter();
         let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
         let twins = twins.filter_map(|twin| {
-            Some(format!(
-                "{} {}",
-                words::short(&twin.engine),
-                percent(twin.worst()?.difference())
-            ))
+            let off = percent(twin.worst()?.difference());
+            Some(format!("{} {off}", words::short(&twin.engine)))
         });
         let twins = joined(", ", twins);
         if !twins.is_empty() {
@@ -358,13 +322,11 @@ impl<'a> Answer<'a> {
         }
         let mut engines = self.found.comparison.engines.iter();
         let has_own = engines.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
-        let why = match has_own {
-            true => {
-                "the run is all start-up, in which engines with contacts of their own damp otherwise"
-            }
-            false => "no engine with contacts of its own took part",
+        let text = match has_own {
+            true => START_UP,
+            false => "not checked: no engine with contacts of its own took part",
         };
-        fact(Mark::Warn, format!("not checked: {why}"))
+        fact(Mark::Warn, text.to_owned())
     }
 
     /// Returns the largest difference, judged or not.
@@ -381,10 +343,7 @@ impl<'a> Answer<'a> {
             }
             None => ": unexplained".to_owned(),
         };
-        let mark = match most.is_explained() || most.share() < SEEN {
-            true => Mark::None,
-            false => Mark::Warn,
-        };
+        let mark = Mark::warn(!(most.is_explained() || most.share() < SEEN));
         let share = (self.number)(most.share());
         let text = format!("{} ({share}){why}", self.apart(&most));
         Some(Fact::new("differs most", mark, text))
@@ -428,34 +387,29 @@ impl<'a> Answer<'a> {
             if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
                 (pair, entry) = (of, farthest);
                 let place = self.label(entry);
-                said = format!(
-                    "{said}; at most {} apart (relative L2, {place})",
-                    (self.number)(l2)
-                );
+                let apart = (self.number)(l2);
+                said = format!("{said}; at most {apart} apart (relative L2, {place})");
             }
         }
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
-        let mark = match entry.result.verdict {
-            Judged::Agree => Mark::Good,
-            _ => Mark::Warn,
-        };
+        let mark = Mark::good(entry.result.verdict == Judged::Agree);
         let text = format!("{a} and {b}: {said}");
         Some(Fact::new("measurement", mark, text))
     }
 
-    /// Returns facts on parts that were not checked, with the way to check them. At most `told` reasons of engines without
+    /// Returns facts on parts that were not checked, with the way to check them. At most `listed` reasons of engines without
     /// figures are listed one by one.
-    pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
+    pub(super) fn unchecked(&self, listed: usize) -> Vec<Fact> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
         let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for info in known().filter(|info| !here(info.name)) {
             let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
-            let why = remedy.map_or_else(
-                || "not asked for; run it without `--engines`".to_owned(),
-                |remedy| format!("not here; {remedy}"),
-            );
+            let why = match remedy {
+                None => "not asked for; run it without `--engines`".to_owned(),
+                Some(remedy) => format!("not here; {remedy}"),
+            };
             absent.entry(why).or_default().push(info.name);
         }
         let mut facts = Vec::new();
@@ -464,30 +418,24 @@ impl<'a> Answer<'a> {
             facts.push(Fact::new("measurement", Mark::None, text));
         }
         for (why, names) in absent.into_iter().rev() {
-            let families = names.iter().map(|name| pinwheel_engines::family(name));
-            let families = joined(", ", families.collect::<BTreeSet<&str>>());
-            let text = format!("{families} ({} engines): {why}", names.len());
+            let text = format!("{}: {why}", families(&names));
             facts.push(Fact::new("engines", Mark::None, text));
         }
         let mut left_out = left_out(comparison);
-        let more = left_out.split_off(told.min(left_out.len()));
+        let more = left_out.split_off(listed.min(left_out.len()));
         if !more.is_empty() {
             let names = more.into_iter().flat_map(|(_, names)| names).collect();
             let why = "`--verbose` says why, or Engines on the page";
             left_out.push((why.to_owned(), names));
         }
-        facts.extend(told_as_facts(&left_out));
+        facts.extend(left_out_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
         let recorded: Vec<&str> = recorded.map(|engine| engine.name.as_str()).collect();
         if !recorded.is_empty() {
             let live = remedies().into_iter().rev().map(|(remedy, mut families)| {
-                let of = |family| {
-                    recorded
-                        .iter()
-                        .any(|name| pinwheel_engines::family(name) == family)
-                };
-                families.retain(|family| of(*family));
+                let all = recorded.iter().map(|name| pinwheel_engines::family(name));
+                families.retain(|family| all.clone().any(|of| of == *family));
                 match families.is_empty() {
                     true => String::new(),
                     false => format!("; {} live: {remedy}", joined(", ", families)),
@@ -504,11 +452,8 @@ impl<'a> Answer<'a> {
         let counts = comparison.counts;
         if counts.inconclusive > counts.inconclusive_actionable {
             let groups = words::groups(comparison).join(", ");
-            let text = format!(
-                "{} of {} comparisons: {groups}",
-                counts.inconclusive,
-                counts.compared()
-            );
+            let (open, all) = (counts.inconclusive, counts.compared());
+            let text = format!("{open} of {all} comparisons: {groups}");
             facts.push(Fact::new(UNRESOLVED, Mark::None, text));
         }
         facts
@@ -521,9 +466,8 @@ impl<'a> Answer<'a> {
             let design = "`pinwheel design` of this scene: stiffness, lost motion, pressure";
             next.push(design.to_owned());
         }
-        let facts = next.into_iter();
-        let facts = facts.map(|text| Fact::new("next", Mark::None, text));
-        facts.collect()
+        let fact = |text| Fact::new("next", Mark::None, text);
+        next.into_iter().map(fact).collect()
     }
 
     /// Returns the open questions of a comparison, each with a way to settle it.
@@ -556,24 +500,28 @@ impl<'a> Answer<'a> {
     }
 }
 
+/// Returns the programs of some engines, and the number of these.
+fn families(names: &[&str]) -> String {
+    let families = names.iter().map(|name| pinwheel_engines::family(name));
+    let families = joined(", ", families.collect::<BTreeSet<&str>>());
+    format!("{families} ({} engines)", names.len())
+}
+
 /// Returns the fact that runs come from an earlier command, with their engines and dates.
 fn kept(comparison: &Comparison) -> Option<Fact> {
     let kept = comparison.engines.iter();
     let kept = kept.filter_map(|engine| Some((&*engine.name, engine.cost.kept.as_ref()?)));
     let kept: Vec<(&str, &String)> = kept.collect();
-    let days: BTreeSet<&str> = kept
-        .iter()
-        .filter_map(|(_, of)| of.split(' ').next())
-        .collect();
+    let days = kept.iter().filter_map(|(_, of)| of.split(' ').next());
+    let days: BTreeSet<&str> = days.collect();
     let days = match (days.first()?, days.last()?) {
         (first, last) if first == last => (*first).to_owned(),
         (first, last) => format!("{first} to {last}"),
     };
-    let families = kept.iter().map(|(name, _)| pinwheel_engines::family(name));
-    let families = joined(", ", families.collect::<BTreeSet<&str>>());
+    let names: Vec<&str> = kept.iter().map(|(name, _)| *name).collect();
     let text = format!(
-        "{families} ({} engines): not run now but kept, of {days}; Engines on the page names each; `--fresh` runs them",
-        kept.len()
+        "{}: not run now but kept, of {days}; Engines on the page names each; `--fresh` runs them",
+        families(&names)
     );
     Some(Fact::new("kept", Mark::None, text))
 }
@@ -592,22 +540,23 @@ pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
         };
         Some((reason, words::short(&engine.name)))
     });
-    words::grouped(reasons)
+    grouped(reasons)
 }
 
 /// Returns the reasons of excluded engines as facts.
-pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
-    let told = left_out.iter().map(|(reason, names)| {
+pub(super) fn left_out_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
+    let facts = left_out.iter().map(|(reason, names)| {
         // The label already contains this.
         let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
         let text = format!("{}: {reason}", names.join(", "));
         Fact::new("left out", Mark::None, text)
     });
-    told.collect()
+    facts.collect()
 }
 
 /// Label of the fact on engines that solve the scene's own law.
 pub(super) const EQUATIONS: &str = "equations";
+const START_UP: &str = "not checked: the run is all start-up, in which engines with contacts of their own damp otherwise";
 /// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
 /// Selects pairs that solve the scene's law.
@@ -621,7 +570,6 @@ pub(super) const MOST: usize = 2;
 const SEEN: f64 = 0.03;
 
 fn size(result: &Assessment) -> f64 {
-    result
-        .difference
-        .map_or(0.0, |d| (d - result.predicted).abs())
+    let off = |d: f64| (d - result.predicted).abs();
+    result.difference.map_or(0.0, off)
 }

@@ -1,6 +1,6 @@
-//! One line for each pair, with its verdicts and metrics folded behind it.
+//! Pairs of a comparison, a line each, with verdicts and metrics folded behind it.
 
-use crate::format::{self, NONE, relative, relative_or_none, significant};
+use crate::format::{self, NONE, distinct, grouped, relative, relative_or_none, significant};
 use crate::study::{Block, Item};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
@@ -106,10 +106,10 @@ impl Page<'_> {
             id: id(place),
             name,
             mark: gravest.map_or(Mark::Muted, |entry| mark(&entry.result)),
-            said: gravest.map_or_else(
-                || Verdict::NotCompared.word().to_owned(),
-                |entry| words::verdict(&entry.result, relative),
-            ),
+            said: match gravest {
+                Some(entry) => words::verdict(&entry.result, relative),
+                None => Verdict::NotCompared.word().to_owned(),
+            },
             beside: gravest.map_or_else(String::new, |e| self.place(&e.quantity, e.window)),
             open: rank == 4 || pair.track == SharedModel::Measured,
             blocks,
@@ -143,7 +143,7 @@ impl Page<'_> {
         rows.sort_by(|(.., a), (.., b)| b.graver(a));
         let reasons = rows.iter().filter_map(|(.., one)| words::why(one));
         let reasons = reasons.map(|(who, why)| format!("Inconclusive: {who}: {why}"));
-        let reasons = words::distinct(reasons).into_iter();
+        let reasons = distinct(reasons).into_iter();
         let mut blocks: Vec<Block> = reasons.map(Block::Text).collect();
         let table = Table::of(format!("Compared of {name}"), rows)
             .text("", "Quantity", |(quantity, ..)| self.quantity(quantity))
@@ -166,9 +166,8 @@ impl Page<'_> {
     /// Returns comparisons without a verdict, grouped by reason.
     fn not_compared<'b>(&self, entries: impl Iterator<Item = &'b PairEntry>) -> Vec<Block> {
         let entries = entries.filter(|e| e.result.verdict == Verdict::NotCompared);
-        let reasons =
-            entries.map(|e| (e.result.reason.as_str(), self.place(&e.quantity, e.window)));
-        let reasons = words::grouped(reasons).into_iter();
+        let reason = |e: &'b PairEntry| (&*e.result.reason, self.place(&e.quantity, e.window));
+        let reasons = grouped(entries.map(reason)).into_iter();
         let text = |(reason, places): (&str, Vec<String>)| {
             format!("Not compared: {}. {reason}", places.join("; ")).into()
         };
@@ -182,12 +181,9 @@ impl Page<'_> {
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);
         let alone = engines.flat_map(|e| &e.judged).map(|e| &e.result);
         let compared = |one: &&Assessment| matches!(one.verdict, Verdict::Agree | Verdict::Differ);
-        let reasons = of_pairs
-            .chain(alone)
-            .filter(compared)
-            .map(|one| &one.reason);
-        let reasons = words::distinct(reasons.filter(|reason| !reason.is_empty()));
-        reasons.into_iter().cloned().collect()
+        let all = of_pairs.chain(alone).filter(compared);
+        let reasons = all.map(|one| one.reason.clone());
+        distinct(reasons.filter(|reason| !reason.is_empty()))
     }
 
     /// Returns every metric of every quantity and window.
@@ -232,12 +228,11 @@ impl Page<'_> {
 /// Returns a text on the bound of a difference.
 fn against(one: &Assessment) -> String {
     match (&one.budget, one.against) {
-        (Some(budget), _) => format!(
-            "u of numerics {}, inputs {}, data {}",
-            relative(budget.numerical),
-            relative(budget.input),
-            relative(budget.data)
-        ),
+        (Some(budget), _) => {
+            let parts = [budget.numerical, budget.input, budget.data];
+            let [numerical, input, data] = parts.map(relative);
+            format!("u of numerics {numerical}, inputs {input}, data {data}")
+        }
         (None, Against::Limit) => {
             let limit = one.bound.map_or_else(|| NONE.to_owned(), format::limit);
             format!("limit {limit}")
@@ -259,9 +254,8 @@ fn largest(metrics: &PairMetrics, quantity: Option<&Quantity>) -> Option<String>
         Some(q) if q.channels.len() > 1 => format!(", no. {}", worst.channel),
         _ => String::new(),
     };
+    let (value, time_s) = (significant(value, 2), format::plain(worst.time_s));
     Some(format!(
-        "{}\u{202f}{unit} at {}\u{202f}s{channel}",
-        significant(value, 2),
-        format::plain(worst.time_s)
+        "{value}\u{202f}{unit} at {time_s}\u{202f}s{channel}"
     ))
 }

@@ -1,6 +1,6 @@
 //! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
-use crate::format::{self, joined};
+use crate::format::{self, distinct, joined};
 use crate::study::{Block, Section};
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
@@ -18,13 +18,8 @@ impl<'a> Page<'a> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
         let mut names: Vec<SharedModel> = finished.map(|e| e.track).collect();
-        names.sort_by_key(|&name| {
-            (
-                name == SharedModel::Native,
-                name != SharedModel::Measured,
-                name,
-            )
-        });
+        let last = |of: SharedModel| (of == SharedModel::Native, of != SharedModel::Measured, of);
+        names.sort_by_key(|&name| last(name));
         names.dedup();
         let alone = names.len() == 1;
         let sections = names.iter().enumerate();
@@ -315,7 +310,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
 /// Returns the distinct reasons for missing efficiencies.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
-    let reasons = words::distinct(rows.iter().filter_map(of));
+    let reasons = distinct(rows.iter().filter_map(of));
     let said = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
         let whose = match without.clone().count() == rows.len() {

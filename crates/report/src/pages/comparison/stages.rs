@@ -32,7 +32,7 @@ pub(super) fn section(found: &Outcome) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 
-/// A table of the stages, and pictures of those that are off.
+/// Returns a table of the stages, and pictures of those that are off.
 pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     let share = |judged: &Judged, value: f64| match judged.residual {
         Some(_) if value == 0.0 => "0".to_owned(),
@@ -61,15 +61,10 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
         .text("", "Bound", |judged| share(judged, judged.bound))
         .text("", "Where", |judged| &judged.note)
         .done();
-    let charts: Vec<Chart> = located
-        .pictures
-        .iter()
-        .map(|of| chart(located, of))
-        .collect();
-    match charts.is_empty() {
-        true => vec![Block::Table(table)],
-        false => vec![Block::Table(table), Block::Charts(charts)],
-    }
+    let charts = located.pictures.iter().map(|of| chart(located, of));
+    let charts = Some(charts.collect::<Vec<_>>()).filter(|charts| !charts.is_empty());
+    let blocks = [Block::Table(table)].into_iter();
+    blocks.chain(charts.map(Block::Charts)).collect()
 }
 
 /// Residuals below are roundings.
@@ -96,22 +91,16 @@ fn chart(located: &Located, picture: &Picture) -> Chart {
         Stage::Equations | Stage::Integration => "load's effect",
     };
     // Roundings would stretch a logarithmic axis.
-    let is_rounding = |value: f64| picture.over == Over::Time && value < ROUNDING;
-    let seen = |value: &f64| {
-        if is_rounding(*value) {
-            f64::NAN
-        } else {
-            *value
-        }
+    let drawn = |value: &f64| match picture.over {
+        Over::Time if *value < ROUNDING => f64::NAN,
+        _ => *value,
     };
-    let curve = |(name, values): &(String, Vec<f64>)| Series {
-        tags: picture.names.clone(),
-        ..Series::line(
-            name,
-            picture.x.clone(),
-            values.iter().map(seen).collect::<Vec<_>>(),
-        )
-        .styled(style)
+    let curve = |(name, values): &(String, Vec<f64>)| {
+        let values: Vec<f64> = values.iter().map(drawn).collect();
+        Series {
+            tags: picture.names.clone(),
+            ..Series::line(name, picture.x.clone(), values).styled(style)
+        }
     };
     let mut series: Vec<Series> = picture.curves.iter().map(curve).collect();
     let mut y = Axis::linear(format!("Residual, share of the {share}"));
@@ -122,13 +111,9 @@ fn chart(located: &Located, picture: &Picture) -> Chart {
         let bound = |judged: &Judged| Series::line("off above", [*first, *last], [judged.bound; 2]);
         series.extend(bounds.map(|judged| bound(judged).styled(Style::Dashed)));
     }
+    let title = format!("{over}: {}", stage.name());
     Chart {
         note: joined(", ", names.map(|(k, name)| format!("{k} {name}"))),
-        ..Chart::new(
-            format!("{over}: {}", stage.name()),
-            Axis::linear(x),
-            y,
-            series,
-        )
+        ..Chart::new(title, Axis::linear(x), y, series)
     }
 }

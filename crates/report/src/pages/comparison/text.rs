@@ -6,7 +6,7 @@ use crate::study::{Fact, Tone};
 use crate::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::quantities::INPUT_TORQUE;
+use pinwheel_compare::quantities::{self, INPUT_TORQUE};
 use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
@@ -24,10 +24,7 @@ use crate::pages::band;
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
     let trust = answer.trust();
-    let notes = trust
-        .iter()
-        .filter(|fact| fact.label == answer::DATA)
-        .count();
+    let notes = trust.iter().filter(|fact| is_note(fact)).count();
     let fewer = (0..answer::MOST).rev().map(|reasons| (0, reasons));
     let room = (0..=notes).rev().map(|kept| (kept, answer::MOST));
     let rooms = room.chain(fewer);
@@ -39,6 +36,11 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         .unwrap_or(shortest)
 }
 
+/// True for a note on measured data.
+fn is_note(fact: &Fact) -> bool {
+    fact.label == answer::DATA
+}
+
 /// Returns the answer with the given numbers of notes on measured data and of reasons of excluded engines.
 fn with_notes(
     scene: &Scene,
@@ -46,10 +48,8 @@ fn with_notes(
     trust: &[Fact],
     (kept, reasons): (usize, usize),
 ) -> String {
-    let mut text = format!(
-        "{}\n\n",
-        styled(TITLE, &paragraph(&crate::pages::title(scene)))
-    );
+    let title = paragraph(&crate::pages::title(scene));
+    let mut text = format!("{}\n\n", styled(TITLE, &title));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
     text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);
@@ -65,18 +65,15 @@ fn with_notes(
         [] => String::new(),
         facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
     };
-    let (notes, mut told): (Vec<Fact>, Vec<Fact>) = trust
-        .iter()
-        .cloned()
-        .partition(|fact| fact.label == answer::DATA);
+    let (notes, mut checks): (Vec<Fact>, Vec<Fact>) = trust.iter().cloned().partition(is_note);
     let more = notes.len() - kept;
-    told.extend(notes.into_iter().take(kept));
+    checks.extend(notes.into_iter().take(kept));
     if more > 0 {
         let more =
             format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
-        told.push(Fact::new(answer::DATA, Mark::None, more));
+        checks.push(Fact::new(answer::DATA, Mark::None, more));
     }
-    text += &facts("can I trust it", &told);
+    text += &facts("can I trust it", &checks);
     let mut unchecked = answer.unchecked(reasons);
     // The last line counts these.
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
@@ -96,21 +93,20 @@ const SCREEN: usize = 30;
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
-    text += &terminal::facts(&answer::told_as_facts(&answer::left_out(comparison)));
-    for table in [measured(comparison), pairs(comparison)] {
-        if !table.is_empty() {
-            text.push('\n');
-            text.push_str(&terminal::table(&table));
-        }
+    text += &terminal::facts(&answer::left_out_facts(&answer::left_out(comparison)));
+    let tables = [measured(comparison), pairs(comparison)].into_iter();
+    let tables = tables.filter(|table| !table.is_empty());
+    let bands = found
+        .bands
+        .iter()
+        .map(|bands| terminal::pairs(band::rows(bands)));
+    for part in tables.map(|table| terminal::table(&table)).chain(bands) {
+        text += &format!("\n{part}");
     }
-    if let Some(bands) = &found.bands {
-        text.push('\n');
-        text.push_str(&terminal::pairs(band::rows(bands)));
-    }
-    let told = words::of_windows(comparison).chain(budgets(comparison));
-    let told = told.chain(words::of_measured(comparison));
+    let remarks = words::of_windows(comparison).chain(budgets(comparison));
+    let remarks = remarks.chain(words::of_measured(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
-    text + &terminal::paragraphs(told.chain(twins))
+    text + &terminal::paragraphs(remarks.chain(twins))
 }
 
 /// Returns the verdict in a sentence.
@@ -194,8 +190,7 @@ fn own_verdict(engine: &EngineSummary) -> Said {
 /// Returns the distances of measured data from each engine, by quantity.
 fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison.pairs.iter();
-    let pairs = pairs.filter(|p| p.track == SharedModel::Measured);
-    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
+    let entries = words::entries(pairs.filter(|p| p.track == SharedModel::Measured));
     let rows = entries.filter_map(|(pair, entry)| Some((pair, entry, entry.metrics.as_ref()?)));
     const SHARES: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
         ("L2", |metrics| metrics.relative_l2),
@@ -230,12 +225,11 @@ fn pairs(comparison: &Comparison) -> Table {
         (SharedModel::Measured, "measured data"),
     ] {
         let of_track = || comparison.pairs.iter().filter(|pair| pair.track == track);
-        let mut counts = Counts::default();
-        let entries = of_track().flat_map(|pair| &pair.entries);
-        entries.for_each(|entry| counts.add(&entry.result));
         if of_track().next().is_none() {
             continue;
         }
+        let mut counts = Counts::default();
+        words::entries(of_track()).for_each(|(_, entry)| counts.add(&entry.result));
         let known = of_track().filter_map(|pair| Some((pair, words::gravest(pair)?)));
         // Unresolvable verdicts rank below agreements.
         let rank = |entry: &PairEntry| match entry.result.rank() {
@@ -275,7 +269,8 @@ fn pairs(comparison: &Comparison) -> Table {
 
 /// Returns a quantity and a window.
 fn place(entry: &PairEntry) -> String {
-    format!("{}, {}", brief(&entry.quantity), entry.window.word())
+    let (label, _) = quantities::label_and_unit(&entry.quantity);
+    format!("{}, {}", label.to_lowercase(), entry.window.word())
 }
 
 fn name(pair: &Pair) -> String {
@@ -284,14 +279,6 @@ fn name(pair: &Pair) -> String {
 
 fn brief_number(value: f64) -> String {
     format!("{value:.0e}")
-}
-
-/// Returns `external_sleeve_force_n` as `ring pin force`.
-fn brief(quantity: &str) -> String {
-    let (stem, _) = pinwheel_timeseries::stem_and_unit(quantity);
-    stem.replace("external_sleeve", "ring pin")
-        .replace("internal_sleeve", "output pin")
-        .replace('_', " ")
 }
 
 /// Length of a bar, characters.
@@ -316,7 +303,7 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
             budget.validation()
         ))
     };
-    let pairs = comparison.pairs.iter();
-    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
-    entries.filter_map(budget).collect()
+    words::entries(&comparison.pairs)
+        .filter_map(budget)
+        .collect()
 }

@@ -1,8 +1,17 @@
 //! Verdicts, quantities and engines as text, for the page and the terminal.
 
+use crate::format::{distinct, grouped};
 use pinwheel_compare::comparison::{Pair, PairEntry};
 use pinwheel_compare::{Against, Assessment, Comparison, Quantity, SharedModel, Verdict};
 use pinwheel_engines::info;
+
+/// Returns the entries of some pairs, each with its pair.
+pub(super) fn entries<'a>(
+    pairs: impl IntoIterator<Item = &'a Pair>,
+) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
+    let pairs = pairs.into_iter();
+    pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
+}
 
 /// Returns the gravest entry of a pair, among equals the one with the largest share of its bound. `None` without any judged
 /// entry.
@@ -32,30 +41,24 @@ pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
         };
     }
     let interval = found.interval().map(|[low, high]| {
-        let aim = if found.predicted == 0.0 {
-            String::new()
-        } else {
-            format!(", {} predicted", number(found.predicted))
+        let aim = match found.predicted {
+            0.0 => String::new(),
+            predicted => format!(", {} predicted", number(predicted)),
         };
         format!("{} to {}{aim}", number(low), number(high))
     });
     match (found.verdict, found.against, interval) {
         (Verdict::NotCompared, _, Some(interval)) => format!("{word}, models {interval}"),
         (_, Against::ModelTolerance, Some(interval)) => {
-            match found.tolerance.filter(|t| *t > 0.0) {
-                Some(tolerance) => {
-                    format!("{word}, models {interval}, tolerance {}", number(tolerance))
-                }
-                None => format!("{word}, models {interval}"),
-            }
+            let tolerance = found.tolerance.filter(|t| *t > 0.0);
+            let tolerance = tolerance.map(|t| format!(", tolerance {}", number(t)));
+            format!("{word}, models {interval}{}", tolerance.unwrap_or_default())
         }
         (Verdict::Agree, Against::NumericalError, _) => format!("{word} to {}", known(found.bound)),
         (Verdict::Differ, Against::NumericalError, _) => {
-            let off = found
-                .difference
-                .zip(found.bound)
-                .map(|(d, bound)| d - bound);
-            format!("{word} by at least {}", known(off))
+            let both = found.difference.zip(found.bound);
+            let off = known(both.map(|(d, bound)| d - bound));
+            format!("{word} by at least {off}")
         }
         (Verdict::Agree, Against::Measurement, _) => {
             format!("{word}, no model error above {}", known(found.bound))
@@ -86,10 +89,9 @@ pub(super) fn counts(comparison: &Comparison) -> String {
         inconclusive = format!(" ({inconclusive})");
     }
     let off = counts.differ - counts.differ_actionable;
-    let measured = if off > 0 {
-        format!(" ({off} from measured data)")
-    } else {
-        String::new()
+    let measured = match off {
+        0 => String::new(),
+        off => format!(" ({off} from measured data)"),
     };
     format!(
         "{} comparisons: {} agree, {} differ{measured}, {} inconclusive{inconclusive}",
@@ -111,12 +113,8 @@ pub(super) fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String
 pub(super) fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
     let rigs = comparison.engines.iter();
     let rigs = rigs.filter(|e| e.track == SharedModel::Measured);
-    rigs.flat_map(|e| {
-        e.cost
-            .notes
-            .iter()
-            .map(|note| format!("{}: {note}", e.name))
-    })
+    let notes = rigs.flat_map(|e| e.cost.notes.iter().map(move |note| (&e.name, note)));
+    notes.map(|(name, note)| format!("{name}: {note}"))
 }
 
 fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
@@ -148,24 +146,6 @@ pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
         remedy => format!("{}; {remedy}", found.reason),
     };
     Some((who, why))
-}
-
-/// Groups values by key, in the order of the keys' first appearance.
-pub(super) fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
-    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
-    for (key, value) in all {
-        match groups.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, values)) => values.push(value),
-            None => groups.push((key, vec![value])),
-        }
-    }
-    groups
-}
-
-/// Removes duplicates, in the order of their first appearance.
-pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
-    let groups = grouped(all.into_iter().map(|one| (one, ()))).into_iter();
-    groups.map(|(one, _)| one).collect()
 }
 
 /// Returns an engine's name without its track, for places beside the track's name.

@@ -22,12 +22,8 @@ fn margin(margin: f64) -> String {
 
 /// Returns the name of a limit: its figure, and the kind if it has two.
 fn named(limit: &Limit) -> String {
-    joined(
-        ", ",
-        [&*limit.def.label, limit.of]
-            .into_iter()
-            .filter(|part| !part.is_empty()),
-    )
+    let parts = [&*limit.def.label, limit.of].into_iter();
+    joined(", ", parts.filter(|part| !part.is_empty()))
 }
 
 /// Returns the answer and its decisive limit.
@@ -40,20 +36,14 @@ pub fn answer(limits: &Limits) -> (String, String) {
         Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
         _ => format!("margin {by}, as far as judged"),
     };
-    let allowed = with_unit(limit, limit.permissible);
-    (
-        said,
-        format!("{}: {allowed} by {}", named(limit), limit.source),
-    )
+    let (name, allowed) = (named(limit), with_unit(limit, limit.permissible));
+    (said, format!("{name}: {allowed} by {}", limit.source))
 }
 
 /// Returns the answer as a sentence.
 pub(super) fn sentence(limits: &Limits) -> String {
-    let (said, why) = answer(limits);
-    joined(
-        "; ",
-        [said, why].into_iter().filter(|part| !part.is_empty()),
-    )
+    let parts = <[String; 2]>::from(answer(limits)).into_iter();
+    joined("; ", parts.filter(|part| !part.is_empty()))
 }
 
 /// Returns the limits that were not judged, with the key to state for each.

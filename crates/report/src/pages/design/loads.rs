@@ -41,21 +41,17 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             ..chart(title, x, y, series.collect())
         }
     };
-    let inner = designs
-        .first()
-        .map_or("Output pins", |(_, found)| inner(found));
-    let stages = ["Ring pins", inner].into_iter().enumerate();
-    stages.map(of).collect()
+    let inner = designs.first().map(|(_, found)| inner(found));
+    let stages = ["Ring pins", inner.unwrap_or("Output pins")];
+    stages.into_iter().enumerate().map(of).collect()
 }
 
 pub(super) fn sharing(found: &DesignResult) -> Section {
     // Cranks carry no pins.
     let kinds = if found.scene.cranks.is_some() { 1 } else { 2 };
     let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
-    let sharing = sharing.take(kinds);
-    let rows = sharing
-        .zip(&found.pressure)
-        .map(|((pins, force), pressure)| (pins, force, pressure));
+    let rows = sharing.take(kinds).zip(&found.pressure);
+    let rows = rows.map(|((pins, force), pressure)| (pins, force, pressure));
     let contacts = Table::of("Contacts under the rated load", rows)
         .text("", "Pins", |(pins, ..)| *pins)
         .figure("Largest force", "N", |(_, of, _)| of.largest_force_n.max)
@@ -88,12 +84,8 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
             series.push(of_design(designs, k, part, line(&turn, force)));
         }
     }
-    chart(
-        "Force on the disc's bearing",
-        "Input angle (degrees)",
-        "Force (N)",
-        series,
-    )
+    let (x, y) = ("Input angle (degrees)", "Force (N)");
+    chart("Force on the disc's bearing", x, y, series)
 }
 
 /// Returns the harmonics of the force component that only loads the bearing.
@@ -104,12 +96,8 @@ fn bearing_orders(found: &DesignResult) -> Chart {
         harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
     let points = Series::line("away from the input's axis", orders, sizes).styled(Style::Points);
     let x = Axis::linear("Cycles per turn of the input");
-    Chart::new(
-        "Orders of the force",
-        x,
-        Axis::log("Amplitude (N)"),
-        vec![points],
-    )
+    let y = Axis::log("Amplitude (N)");
+    Chart::new("Orders of the force", x, y, vec![points])
 }
 
 pub(super) fn bearings(found: &DesignResult) -> Section {

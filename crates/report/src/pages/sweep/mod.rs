@@ -78,9 +78,20 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         headline: format!("{unfinished} of {runs_done} runs did not finish"),
         detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
     });
-    let simulated_s = simulated_s(plan);
-    let simulated = Tile::new("Simulated", seconds(simulated_s), "all runs together");
     let cpu = seconds(records.iter().map(|record| record.cpu_s).sum());
+    let mut tiles = vec![
+        Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
+        Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
+        Tile::new("Processor time", cpu, "the engines', all runs together"),
+    ];
+    let simulated_s = simulated_s(plan);
+    if simulated_s > 0.0 {
+        tiles.push(Tile::new(
+            "Simulated",
+            seconds(simulated_s),
+            "all runs together",
+        ));
+    }
     let study = Study {
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
@@ -90,14 +101,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
             .or_else(|| tolerances::spread(plan, &sampled))
             .or(answer),
         decision,
-        tiles: vec![
-            Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
-            Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
-            Tile::new("Processor time", cpu, "the engines', all runs together"),
-        ]
-        .into_iter()
-        .chain((simulated_s > 0.0).then_some(simulated))
-        .collect(),
+        tiles,
         sections,
         versions: versions.collect(),
         ..Study::default()
@@ -119,11 +123,8 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
         let said = widest.map_or("not known".to_owned(), |widest| {
             format!("to {}", relative(widest))
         });
-        Question::Sure.answered(
-            Mark::warn(widest.is_none()),
-            said,
-            format!("{}, numerical", figure.label),
-        )
+        let why = format!("{}, numerical", figure.label);
+        Question::Sure.answered(Mark::warn(widest.is_none()), said, why)
     });
     let command = format!("pinwheel compare {}", sweep.scene);
     let next = Tile::next(&command, "whether other engines agree on the scene");

@@ -44,23 +44,24 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         }
     }
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
+    let simulated_s = simulated_s(plan);
     let row = |label: &str, value: String| (label.to_owned(), value);
     let mut rows = vec![
         row("runs", runs.join(", ")),
         row("varied", joined(", ", plan.keys())),
         row(
             "time",
-            format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
+            format!("{cpu:.1} s CPU for {simulated_s:.3} s simulated"),
         ),
     ];
     let mut refused = plan.runs.iter().filter_map(|run| run.refused.as_ref());
     let none = refused.clone().count();
     rows.extend(refused.next().map(|first| {
-        let said = format!(
-            "{none} of {} runs, lost yield; the first: {first}",
-            records.len()
-        );
-        row("no gear", said)
+        let all = records.len();
+        row(
+            "no gear",
+            format!("{none} of {all} runs, lost yield; the first: {first}"),
+        )
     }));
     let idle = sweep::idle(plan, records);
     if !idle.is_empty() {

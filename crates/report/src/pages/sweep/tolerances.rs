@@ -24,11 +24,9 @@ const STRAIGHT: f64 = 0.7;
 pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {
-        let place = limits
-            .iter()
-            .position(|limit| limit.figure == figure.def.key);
-        let prefixes = ["min_", "max_", "rms_"];
-        let other = prefixes.iter().any(|p| figure.def.key.starts_with(p));
+        let key = &figure.def.key;
+        let place = limits.iter().position(|limit| limit.figure == *key);
+        let other = ["min_", "max_", "rms_"].iter().any(|p| key.starts_with(p));
         place.unwrap_or(limits.len() + usize::from(other))
     };
     let mut figures: Vec<&FigureOfSample> = found.figures.iter().collect();
@@ -149,10 +147,8 @@ pub(super) fn sure(plan: &Plan, found: &[SampleResult]) -> Option<Tile> {
     let off = |end: Option<f64>| Some((end? / median.value - 1.0).abs());
     let [below, above] = median.interval.map(off);
     let said = format!("to {}", relative(below?.max(above?)));
-    let why = format!(
-        "median of {} over {} runs, with 95 % confidence",
-        figure.def.label, figure.count
-    );
+    let (label, runs) = (&figure.def.label, figure.count);
+    let why = format!("median of {label} over {runs} runs, with 95 % confidence");
     Some(Question::Sure.answered(Mark::None, said, why))
 }
 
@@ -210,10 +206,8 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
         .shown(digits)
         .number("", "Deviation", |figure| figure.deviation)
         .shown(digits);
-    for (k, label) in ["5 % of runs below", "Half below", "95 % below"]
-        .into_iter()
-        .enumerate()
-    {
+    let labels = ["5 % of runs below", "Half below", "95 % below"];
+    for (k, label) in labels.into_iter().enumerate() {
         spread = spread
             .number("", label, |figure| between(figure)[k].map(|of| of.value))
             .said(|figure| quantile(between(figure)[k]));

@@ -9,24 +9,20 @@ use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use crate::pages::animation;
-
-mod text;
-
-pub use text::text;
+use crate::terminal::{self, titled};
 
 /// Returns the page.
 pub fn page(found: &PaperResult, made: &Provenance) -> String {
     // All rows of the two tables below.
     let figures = found.figures.iter().map(|figure| figure.verdict);
     let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
-    let verdicts: Vec<ClaimVerdict> = verdicts.collect();
+    let all = verdicts.clone().count();
     let count = |wanted| {
         verdicts
-            .iter()
-            .filter(|verdict| **verdict == wanted)
+            .clone()
+            .filter(|verdict| *verdict == wanted)
             .count()
     };
-    let all = verdicts.len();
     let [holds, sometimes, not, meaningless] = [
         ClaimVerdict::Holds,
         ClaimVerdict::Conditional,
@@ -70,6 +66,22 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         ..Study::default()
     };
     crate::pages::render(study, made)
+}
+
+/// Returns the verdicts for a terminal, without the path of the page.
+pub fn text(found: &PaperResult) -> String {
+    let figures = found.figures.iter();
+    let figures = figures.map(|figure| (figure.name.as_str(), figure.verdict, &figure.title));
+    let claims = found.claims.iter();
+    let claims = claims.map(|judged| ("claim", judged.verdict, &judged.claim.claim));
+    let list = Table::of("", figures.chain(claims))
+        .text("", "Figure", |row| row.0)
+        .text("", "By our runs", |row| row.1.words())
+        .marked(|row| mark(row.1))
+        .text("", "What", |row| row.2);
+    let table = terminal::table(&list.done());
+    let cost = format!("\n{} runs in {:.0} s", found.runs, found.wall_s);
+    titled("the paper, computed again", [table, cost])
 }
 
 /// Returns the motion of the gearbox without and with backlash, over the input turn of most figures.
