@@ -53,10 +53,16 @@ fn atlas_of_steel() {
 /// An explicit method that would need 1e10 steps says so after twenty thousand.
 #[test]
 fn hard_hopeless_runs_end_loudly() {
-    let sets = ["solver.integrator=dopri5", "solver.duration_s=0.001"];
-    let gearbox = Gearbox::new(&scene("hard-feather-sleeves", &sets).check().unwrap()).unwrap();
-    let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false).unwrap();
-    let message = run.ending.to_string();
+    let mut options = Options {
+        scenes: vec!["hard-feather-sleeves".to_owned()],
+        longest_s: 0.001,
+        ..Options::default()
+    };
+    options.methods.retain(|m| m.integrator == "dopri5");
+    let mut atlas = Atlas::new(options);
+    atlas.go_on(1, &Control::quiet()).unwrap();
+    let cells = &atlas.done().next().unwrap().cells;
+    let message = cells[0].failure.as_ref().unwrap().sentence();
     assert!(
         message.contains("too stiff") && message.contains("imex2"),
         "{message}"
