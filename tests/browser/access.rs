@@ -27,7 +27,9 @@ pub(crate) fn findings(browser: &mut Chromium, look: Look) -> Vec<String> {
     let Some(script) = axe() else {
         return Vec::new();
     };
-    browser.evaluate(&format!("{script}; 0"));
+    if browser.evaluate("typeof axe") == "undefined" {
+        browser.evaluate(&format!("{script}; 0"));
+    }
     // A theme changes colours alone, and a width all but colours.
     let rules = match look {
         Look { dark: true, .. } => "runOnly: ['color-contrast']",

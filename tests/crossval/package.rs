@@ -45,7 +45,7 @@ fn assert_fine(what: &str, output: &Output) {
 
 /// Tests of the engines under the law in numpy that repeat those of `crossval` under the compiled law.
 const REPEATED: &str = "same_method or that_changes or second_order or solves_friction or loaded_start or load_ramp \
-                        or cancel_and_repeat or first_sample";
+                        or cancel_and_repeat or repeat_to_the_bit or first_sample";
 
 fn assert_tests_pass(selected: &str) {
     let tests = python(&["-m", "pytest", "-q", "-p", "no:cacheprovider", "-k"])

@@ -48,7 +48,7 @@ fn crossval_python_program_leaves_only_its_output() {
 #[cfg(unix)]
 #[test]
 fn crossval_python_program_stops_when_asked() {
-    for engine in ["mujoco-shared-law", "exudyn-shared-law-constrained"] {
+    let started = ["mujoco-shared-law", "exudyn-shared-law-constrained"].map(|engine| {
         let dir = tempfile::tempdir().unwrap();
         let mut child = pinwheel()
             .args(["run", "paper", "--engine", engine, "--out", "out"])
@@ -65,8 +65,11 @@ fn crossval_python_program_stops_when_asked() {
             assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
             std::thread::sleep(Duration::from_millis(5));
         }
-        // Python is loading, or already steps: both must end.
-        std::thread::sleep(Duration::from_secs(2));
+        (engine, dir, child)
+    });
+    // Python is loading, or already steps: both must end.
+    std::thread::sleep(Duration::from_secs(2));
+    for (engine, dir, child) in started {
         interrupt(&child);
         let outcome = Outcome::from(child.wait_with_output().unwrap());
         assert_eq!(outcome.code, Some(130), "{engine}: {outcome:?}");

@@ -26,7 +26,7 @@ use pinwheel_timeseries::TimeSeries;
 use gears::gear;
 
 /// Number of gears in an ordinary test run.
-const GEARS: u64 = 30;
+const GEARS: u64 = 20;
 /// Largest number of evaluations of a gear: the most expensive two per cent end as not resolved.
 const BUDGET: u64 = 600_000;
 /// Error in multiples of the target beyond which a failure is silent.

@@ -181,7 +181,7 @@ fn ticks(served: &Served) -> u64 {
 /// A run of many seconds delays no other request, and ends with its client.
 #[cfg(target_os = "linux")]
 #[test]
-fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
+fn hard_explore_answers_1500_mutated_questions_while_a_slow_run_goes_on() {
     use std::io::{Read as _, Write as _};
     let dir = tempfile::tempdir().unwrap();
     let served = Served::of(dir.path(), "steel", "0");
@@ -223,7 +223,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
         (state >> 33) as usize % most.max(1)
     };
     let (mut slowest, mut answered) = (std::time::Duration::ZERO, 0);
-    for k in 0..3000 {
+    for k in 0..1500 {
         if slow.read(&mut [0]).is_ok() {
             slow = run();
         }
@@ -255,7 +255,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
         answered += usize::from(answer.starts_with(b"HTTP/1.1 200"));
         slowest = slowest.max(begun.elapsed());
     }
-    println!("3000 questions, {answered} answered with 200, slowest {slowest:?}");
+    println!("1500 questions, {answered} answered with 200, slowest {slowest:?}");
     assert!(
         answered > 100 && slowest.as_secs_f64() < 5.0,
         "{answered} {slowest:?}"
@@ -263,15 +263,15 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
     assert_eq!(asked(&served, "GET /status", &cookie, "").0, "200");
     // A run continues only as long as its page exists.
     slow = run();
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    std::thread::sleep(std::time::Duration::from_millis(200));
     let still = slow.read(&mut [0]).unwrap_err();
     assert_eq!(still.kind(), std::io::ErrorKind::WouldBlock);
     drop(slow);
-    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::thread::sleep(std::time::Duration::from_millis(500));
     let before = ticks(&served);
-    std::thread::sleep(std::time::Duration::from_secs(1));
+    std::thread::sleep(std::time::Duration::from_millis(500));
     let taken = ticks(&served) - before;
-    assert!(taken < 20, "{taken} ticks after its page was closed");
+    assert!(taken < 10, "{taken} ticks after its page was closed");
 }
 
 /// All users can read arguments of a process: the browser's contain no token, and only the user can read the file that they

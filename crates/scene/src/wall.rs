@@ -1,14 +1,26 @@
 //! Wall between a disc's holes and its edge.
 
+use std::cell::RefCell;
 use std::f64::consts::{PI, TAU};
 
 use crate::model::Gear;
 use crate::profile::Profile;
 
+thread_local! {
+    /// Last gear measured, with its wall: parameters of a law are asked for several times in a row.
+    static LAST: RefCell<Option<(Gear, f64)>> = const { RefCell::new(None) };
+}
+
 /// Returns the smallest wall between a hole and the disc's edge, m; negative if a hole leaves the disc.
-///
-/// Each hole of each disc is measured at its position relative to lobes and pits.
 pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
+    LAST.with_borrow_mut(|last| match last {
+        Some((known, wall)) if known == gear => *wall,
+        _ => last.insert((gear.clone(), measured_m(gear))).1,
+    })
+}
+
+/// Measures each hole of each disc at its position relative to lobes and pits.
+fn measured_m(gear: &Gear) -> f64 {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
     // Outside C, which the distance alone does not show.

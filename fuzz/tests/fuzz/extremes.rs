@@ -93,15 +93,14 @@ fn lines() -> Vec<(&'static Key, String)> {
 #[test]
 fn bad_input_every_number_at_its_ends() {
     let (mut refused, mut ran, mut total) = (0, 0, 0);
-    for preset in ["paper", "backlash-0.6", "paper-friction"] {
+    for preset in ["backlash-0.6", "paper-friction", "rv-40e-like"] {
         for (key, line) in lines() {
+            // Cranks go with an RV gear alone.
+            if key.name.starts_with("cranks.") != (preset == "rv-40e-like") {
+                continue;
+            }
             let own = ends(key.kind);
             for value in VALUES.iter().copied().chain(own.iter().map(String::as_str)) {
-                // Cranks go with an RV gear alone.
-                let preset = match key.name.starts_with("cranks.") {
-                    true => "rv-40e-like",
-                    false => preset,
-                };
                 let text = format!("base = \"{preset}\"\n{}\n", line.replace('@', value));
                 total += 1;
                 println!("{text}");

@@ -46,6 +46,7 @@ static double key(const char *name, double otherwise)
 
 static double dot(point a, point b) { return creal(a * conj(b)); }
 static double cross(point a, point b) { return cimag(conj(a) * b); }
+static point unit(double a) { return CMPLX(cos(a), sin(a)); }
 static double within(double x, double low, double high) { return fmin(fmax(x, low), high); }
 
 /* One contact: point w and normal n (from the sleeve) in the ground frame, penetration, effective radius. */
@@ -77,7 +78,7 @@ static void on_profile(int wheel, int sleeve, point p)
 {
     static double e, big, m, q, cut;
     static int zk;
-    double a = carg(p), depth, kappa, c, radius;
+    double polar = carg(p), a = polar, depth, kappa, c, radius;
     point turn, wave, first, second, n;
     int k;
     if (!zk) {
@@ -85,35 +86,36 @@ static void on_profile(int wheel, int sleeve, point p)
         cut = q + key("equidistant_m", 0);
         big = e * zk / key("shortening", 1) + key("radial_m", 0), m = e * zk / big;
     }
-    /* The generating curve C(a) = R e^ia + e e^(i zk a): the point at the same polar angle, then the nearest one. */
+    /* The generating curve C(a) = R e^ia + e e^(i zk a): the point at the same polar angle, then the nearest one. Newton squares
+     * an error of a: after a small correction no other is needed. */
     for (k = 0; k < 60; k++) {
-        wave = m / zk * cexp(I * (zk - 1) * a);
-        c = remainder(a + carg(1.0 + wave) - carg(p), 2 * M_PI) / (1.0 + (zk - 1) * (creal(wave) + pow(m / zk, 2)) / pow(cabs(1.0 + wave), 2));
+        wave = 1.0 + m / zk * unit((zk - 1) * a);
+        c = (a - polar + carg(wave)) * dot(wave, wave) / (dot(wave, wave) + (zk - 1) * (creal(wave) - 1.0 + m / zk * m / zk));
         a -= c;
+        if (fabs(c) < 1e-6)
+            break;
+    }
+    if (cabs(p) > cabs(big + e * unit((zk - 1) * a)) + 3.0 * fmax(q - cut, 0.0))
+        return;
+    for (k = 0; k < 60; k++) {
+        turn = unit(a), wave = unit((zk - 1) * a);
+        first = I * big * turn * (1.0 + m * wave), second = -big * turn * (1.0 + zk * m * wave);
+        n = p - turn * (big + e * wave);
+        c = dot(n, first) / (dot(first, first) - dot(n, second));
+        a += c;
         if (fabs(c) < 1e-9)
             break;
     }
-    if (cabs(p) > cabs(big * cexp(I * a) + e * cexp(I * zk * a)) + 3.0 * fmax(q - cut, 0.0))
-        return;
-    for (k = 0; k < 60; k++) {
-        turn = cexp(I * a), wave = cexp(I * (zk - 1) * a);
-        first = I * big * turn * (1.0 + m * wave), second = -big * turn * (1.0 + zk * m * wave);
-        n = p - big * turn - e * turn * wave;
-        c = dot(n, first) / (dot(first, first) - dot(n, second));
-        a += c;
-        if (fabs(c) < 1e-15)
-            break;
-    }
-    turn = cexp(I * a), wave = cexp(I * (zk - 1) * a);
+    turn = unit(a), wave = unit((zk - 1) * a);
     n = turn * (1.0 + m * wave) / cabs(1.0 + m * wave);
-    depth = q - cut - dot(p - big * turn - e * turn * wave, n);
+    depth = q - cut - dot(p - turn * (big + e * wave), n);
     c = creal(wave);
     kappa = (1.0 + zk * m * m + (zk + 1) * m * c) / (big * pow(1.0 + m * m + 2.0 * m * c, 1.5));
     radius = q * (1.0 - cut * kappa) / (1.0 + (q - cut) * kappa);
     if (kappa < 0.0 && has("curvature")) /* a pit as if it were a hill of its radius */
         radius = q * (cut - 1.0 / kappa) / (q + cut - 1.0 / kappa);
-    turn = cexp(I * angle[wheel]);
-    touch(wheel, sleeve, place[wheel] + turn * (big * cexp(I * a) + e * cexp(I * zk * a) - cut * n), -turn * n, depth, radius);
+    wave = turn * (big + e * wave) - cut * n, turn = unit(angle[wheel]);
+    touch(wheel, sleeve, place[wheel] + turn * wave, -turn * n, depth, radius);
 }
 
 /* Everything at time t from the angles and rates y; `slope` becomes their derivative. */
@@ -126,7 +128,7 @@ static void evaluate(double t, const double *y, double *slope)
         rim = key("hole_radius_m", 0), r = key("internal_sleeve_radius_m", 0), circle = key("internal_circle_radius_m", 0);
     for (k = 0; k < bodies; k++) {
         angle[k] = k ? y[k] : rate * t, spin[k] = k ? y[bodies + k] : rate;
-        place[k] = seat[k] * (carrier[k] < 0 ? 1.0 : cexp(I * angle[carrier[k]]));
+        place[k] = seat[k] * (carrier[k] < 0 ? 1.0 : unit(angle[carrier[k]]));
         speed[k] = carrier[k] < 0 ? 0.0 : I * spin[carrier[k]] * place[k];
         force[k] = turning[k] = 0.0;
     }
@@ -134,10 +136,10 @@ static void evaluate(double t, const double *y, double *slope)
         double start = (M_PI - 2 * M_PI * (k - 2) / wheels) / (outer - 1);
         for (j = 2 + wheels; j < 2 + wheels + outer; j++)
             if (!has("search") || j != 2 + wheels + 3)
-                on_profile(k, j, (place[j] - place[k]) * cexp(-I * angle[k]));
+                on_profile(k, j, (place[j] - place[k]) * unit(-angle[k]));
         for (j = 0; j < inner; j++) {
             int sleeve = 2 + wheels + outer + j;
-            point hole = place[k] + circle * cexp(I * (2 * M_PI * j / inner - start + angle[k]));
+            point hole = place[k] + circle * unit((2 * M_PI * j / inner - start + angle[k]));
             point n = (place[sleeve] - hole) / cabs(place[sleeve] - hole);
             touch(k, sleeve, hole + rim * n, n, r - rim + cabs(place[sleeve] - hole), rim * r / (rim - r));
         }
@@ -208,7 +210,7 @@ int main(int argc, char **argv)
     for (k = 0; k < inner; k++)
         fprintf(file, ",internal_sleeve_rate_rad_s_%d", k);
     output_moment += moment[1];
-    seat[1 + wheels] *= cexp(I * (has("phase") ? 1e-3 : 0.0));
+    seat[1 + wheels] *= unit((has("phase") ? 1e-3 : 0.0));
     fprintf(file, "\n");
     for (sample = 0; sample < samples; sample++) {
         double driver = 0.0, output = 0.0;

@@ -330,6 +330,17 @@ fn errors_show_at_their_own_orders() {
 /// the uncertainties of both. 24 poses that met few places of the mesh were off by up to 3e6 of them.
 #[test]
 fn regress_a_shift_of_all_phases_changes_no_figure() {
+    let random = gears::gear(3001).unwrap();
+    shifted([random, scene("paper", &[])]);
+}
+
+#[test]
+#[ignore = "weekly: 4 s for a modified profile"]
+fn regress_a_shift_of_all_phases_changes_no_figure_of_a_modified_profile() {
+    shifted([scene("modified", &[]), scene("eleven-pins", &[])]);
+}
+
+fn shifted(scenes: [Scene; 2]) {
     let figures = |scene: &Scene, phase_rad: f64| {
         let mut scene = scene.clone();
         let wheels = scene.gear.wheels;
@@ -337,10 +348,8 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
         let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
         design::run(&gearbox, false, &Control::quiet()).ok()
     };
-    let random = [3001].into_iter().filter_map(gears::gear);
-    let presets = ["paper", "modified"].map(|name| Scene::load(name, &[]).unwrap().into_scene());
     let (mut seen, mut outside) = (0, Vec::new());
-    for mut scene in random.chain(presets) {
+    for mut scene in scenes {
         scene.gear.errors = Scene::paper().gear.errors;
         let (Some(one), Some(other)) = (figures(&scene, 0.0), figures(&scene, 0.02)) else {
             continue;
@@ -361,7 +370,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
         }
     }
     println!("{} of {seen} outside: {outside:#?}", outside.len());
-    assert!(seen > 40 && outside.len() * 50 <= seen, "{outside:#?}");
+    assert!(seen > 30 && outside.len() * 50 <= seen, "{outside:#?}");
 }
 
 /// At the ring, or the case of an RV gear, lost motion is that at the carrier times q = zs/zk or R/(R - 1), stiffness over q^2, and forces are

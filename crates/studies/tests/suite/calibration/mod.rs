@@ -28,8 +28,22 @@ fn preset(name: &str, duration_s: &str) -> pinwheel_scene::CheckedScene {
 /// Measured: see the table of docs/verdicts.md, of which this is a small part.
 #[test]
 fn crossval_stated_uncertainties_cover_true_errors() {
+    covers(&[2001, 2003, 2004]);
+}
+
+#[test]
+#[ignore = "weekly: 20 s for a gear that rubs more"]
+fn crossval_stated_uncertainties_cover_true_errors_of_friction() {
+    covers(&[2001, 2002, 2003, 2004]);
+}
+
+fn covers(seeds: &[u64]) {
     let mut scenes = vec![preset("paper", "0.01")];
-    scenes.extend((2001..2005).map(|seed| gears::gear(seed).unwrap().check().unwrap()));
+    scenes.extend(
+        seeds
+            .iter()
+            .map(|&seed| gears::gear(seed).unwrap().check().unwrap()),
+    );
     let input = coverage::Input {
         scenes,
         engines: ["native-reduced", "native-lagrange"]
@@ -38,9 +52,10 @@ fn crossval_stated_uncertainties_cover_true_errors() {
         effort: effort(0.01),
     };
     let found = coverage::run(&input, &Control::quiet()).unwrap();
-    assert!(found.rows(false).last().unwrap().cases >= 25, "{found:?}");
     let rows = found.rows(false);
+    println!("{rows:?}");
     let all = rows.last().unwrap();
+    assert!(all.cases >= 25, "{found:?}");
     // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
     // no more than one of their errors.
     assert!(
