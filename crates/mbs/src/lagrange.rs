@@ -276,7 +276,7 @@ impl<F: Forces> Lagrange<F> {
         }
         self.rotate_arms();
         self.forest.place(&mut self.bodies, &self.arms);
-        if !self.forest.closures.is_empty() {
+        if self.forest.has_loops {
             self.close_loops(t);
         }
     }
