@@ -45,12 +45,6 @@ pub(crate) fn of_rollers(rollers: f64, length_m: f64) -> (f64, f64) {
     (rollers / 4.08 * per_metre.powf(ROLLERS), ROLLERS)
 }
 
-impl Bearings {
-    pub(crate) fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 impl Scene {
     /// Returns the friction of the sleeves of ring and of output pins as a share of the force on them: mu d/(2 r), or the
     /// contact's coefficient if that is stated and smaller; 0 for pins that do not turn. `None`: sleeves without friction.

@@ -27,12 +27,6 @@ pub const MOST_DISCS: usize = 4;
 const DIAMETER: &str = "structure.output_pin_diameter_m";
 const HELD: &str = "bearings.internal_sleeves_held";
 
-impl Structure {
-    pub(crate) fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 fn shear_modulus(of: Material) -> f64 {
     0.5 * of.young / (1.0 + of.poisson)
 }
