@@ -3,7 +3,7 @@
 //! Along the forest every centre of mass follows from the angles exactly, without a solve, by `r_child = r_parent + A_parent
 //! s_parent - A_child s_child`.
 
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Revolute};
 use crate::state::{BodyId, BodyState};
 
 /// Arms of one revolute in the ground frame.
@@ -11,6 +11,16 @@ use crate::state::{BodyId, BodyState};
 pub(crate) struct Arms {
     pub(crate) parent: [f64; 2],
     pub(crate) child: [f64; 2],
+}
+
+impl Arms {
+    /// Returns the arms while both bodies have angles of 0.
+    pub(crate) fn unturned(joint: &Revolute) -> Self {
+        Self {
+            parent: joint.parent_point,
+            child: joint.child_point,
+        }
+    }
 }
 
 /// Revolute of the forest, in an order with parents before children.

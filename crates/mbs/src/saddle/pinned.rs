@@ -23,7 +23,7 @@ use std::iter::once;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::mechanism::{Mechanism, Revolute};
+use crate::mechanism::Mechanism;
 use crate::tree::Arms;
 
 /// Inertia of a body and the leaves on it, about its centre of mass.
@@ -238,12 +238,14 @@ impl Pinned {
             hubs,
             inertia,
         };
-        let points = |j: &Revolute| Arms {
-            parent: j.parent_point,
-            child: j.child_point,
-        };
         // Inertias are computed at angles of 0, because bodies rotate with all that they carry.
-        pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
+        pinned.place(
+            &mechanism
+                .revolutes
+                .iter()
+                .map(Arms::unturned)
+                .collect::<Vec<_>>(),
+        );
         for hub in &mut pinned.hubs {
             let times = pinned.inertia[hub.body].times(&hub.free);
             hub.over_inertia = hub.free.dot(&times).recip();
