@@ -9,7 +9,7 @@
 use pinwheel_contact::{Real, Scalar};
 
 use crate::error::Fault;
-use crate::model::{Bearings, EccentricBearing, Scene};
+use crate::model::{EccentricBearing, Scene};
 use crate::number::short;
 use crate::springs::wheel_torque_n_m;
 

@@ -18,7 +18,7 @@ use pinwheel_contact::Material;
 
 use crate::error::Fault;
 use crate::materials::material;
-use crate::model::{Detection, Held, Scene, Structure};
+use crate::model::{Detection, Held, Scene};
 use crate::number::short;
 use crate::springs::{external_force, internal_force, law_parameters, wheel_torque_n_m};
 
