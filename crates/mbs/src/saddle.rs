@@ -99,7 +99,8 @@ impl SaddlePoint {
     pub(crate) fn factor(&mut self, dependent: Dependent, arms: &[Arms]) -> Result<(), usize> {
         self.pinned.place(arms);
         for (inverse, &body) in self.inverse.iter_mut().zip(&self.rest.bodies) {
-            *inverse = symmetric_inverse(&self.pinned.inertia[body].matrix());
+            let matrix = self.pinned.inertia[body].matrix();
+            *inverse = matrix.try_inverse().unwrap_or_default();
         }
         for (rows, &c) in self.rows.iter_mut().zip(&self.rest.constraints) {
             let of = |arm: Option<[f64; 2]>| match arm {
@@ -234,22 +235,6 @@ impl SaddlePoint {
     pub fn constraints(&mut self) -> &mut [Vector3<f64>] {
         &mut self.values[1]
     }
-}
-
-/// Returns the inverse of the symmetric positive definite 3 x 3 block of a body: its inertia and that of the bodies it carries.
-#[inline]
-fn symmetric_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
-    let (a, b, c) = (m[(0, 0)], m[(1, 0)], m[(2, 0)]);
-    let (d, e, f) = (m[(1, 1)], m[(2, 1)], m[(2, 2)]);
-    let (ca, cb, cc) = (d * f - e * e, c * e - b * f, b * e - c * d);
-    let inverse = 1.0 / (a * ca + b * cb + c * cc);
-    let (ia, ib, ic) = (ca * inverse, cb * inverse, cc * inverse);
-    let (id, ie, iff) = (
-        (a * f - c * c) * inverse,
-        (b * c - a * e) * inverse,
-        (a * d - b * b) * inverse,
-    );
-    Matrix3::new(ia, ib, ic, ib, id, ie, ic, ie, iff)
 }
 
 /// Returns the inverse of the upper left `size` x `size` part of a constraint's block (negative definite when regular), and
