@@ -44,6 +44,7 @@ mod explicit;
 mod heun;
 mod imex;
 mod imex_adaptive;
+mod imex_run;
 mod rk4;
 mod rodas5p;
 pub(crate) mod rodas5p_coefficients;
@@ -54,7 +55,7 @@ pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use etd_adams::EtdAdams;
 pub use explicit::{FixedStep, Tableau};
-pub use imex::Imex;
+pub use imex_run::Imex;
 pub use rodas5p::Rodas5p;
 pub use segments::Segments;
 
