@@ -151,9 +151,9 @@ impl SaddlePoint {
         let size = |block: &Matrix3<f64>| block[(0, 0)].abs().max(block[(1, 1)].abs());
         let diagonal = (0..count).map(|k| size(&self.lower[place(k, k)]));
         let least: Vec<f64> = diagonal.map(|size| SINGULAR * size).collect();
-        for k in 0..count {
+        for (k, least) in least.into_iter().enumerate() {
             let block = &self.lower[place(k, k)];
-            let (inverse, regular) = constraint_inverse(block, self.size(k), least[k]);
+            let (inverse, regular) = constraint_inverse(block, self.size(k), least);
             if !regular && dependent == Dependent::Refuse {
                 return Err(self.rest.constraints[k]);
             }
