@@ -48,6 +48,7 @@
 //! assert!((force - (by_hand * 20e-6_f64.powf(1.5) + 0.8)).abs() < 1e-4 && (force - 8.69).abs() < 0.01);
 //! ```
 
+mod bisect;
 mod closest;
 mod closest_lanes;
 mod complex;
@@ -63,6 +64,7 @@ mod points;
 mod real;
 mod search;
 
+pub use bisect::bisect;
 pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;
 pub use dual::Dual;

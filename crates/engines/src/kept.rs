@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  engine, version, sources of this program, checked scene with its settings ──> name of a file
-//!  file: hash, description (TOML: a [`Recording`], and the ending of the run), samples (numbers of eight bytes)
+//!  file: hash, description (TOML: a [`Recording`], and the ending of the run), columns of samples
 //! ```
 //! A stored run is a complete recording without rounding, so that a comparison with it gives the original results. Its name
 //! does not depend on the machine: folders may be copied. Native runs are not stored, because they are fast, and neither are
@@ -11,6 +11,7 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
+use std::iter::once;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -31,7 +32,7 @@ use crate::recorded::{Recording, bare};
 /// Variable with the folder of stored runs; empty to store none.
 pub const RUNS: &str = "PINWHEEL_RUNS";
 /// First bytes of every file.
-const MAGIC: &str = "pinwheel run 1 ";
+const MAGIC: &str = "pinwheel run 2 ";
 /// Ending of every file's name.
 const ENDING: &str = ".run";
 /// Largest total size of all files, bytes.
@@ -56,7 +57,7 @@ pub struct Store {
     /// True if only runs since [`opened`](Self::opened) are used.
     fresh: bool,
     opened: SystemTime,
-    said: Mutex<Vec<String>>,
+    messages: Mutex<Vec<String>>,
 }
 
 /// Description of a stored run.
@@ -66,23 +67,8 @@ struct Kept {
     identity: String,
     /// CPU time limit of the run, s, if there was one.
     limit_s: Option<f64>,
-    /// Names of the channels.
-    channels: Vec<String>,
     ending: Ending,
     run: Recording,
-}
-
-impl Kept {
-    fn new(identity: String, limit_s: Option<f64>, ending: Ending, run: Recording) -> Self {
-        let channels = run.time_series.channels().iter();
-        Self {
-            identity,
-            limit_s,
-            channels: channels.map(|one| one.name.clone()).collect(),
-            ending,
-            run,
-        }
-    }
 }
 
 impl Store {
@@ -109,7 +95,7 @@ impl Store {
             machine,
             date,
             fresh,
-            said: Mutex::default(),
+            messages: Mutex::default(),
         })
     }
 
@@ -136,15 +122,15 @@ impl Store {
     }
 
     /// Returns a message for each unusable file.
-    pub fn said(&self) -> Vec<String> {
-        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        said.clone()
+    pub fn messages(&self) -> Vec<String> {
+        let messages = self.messages.lock();
+        messages.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    fn say(&self, line: String) {
-        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
-        if !said.contains(&line) {
-            said.push(line);
+    fn report(&self, line: String) {
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        if !messages.contains(&line) {
+            messages.push(line);
         }
     }
 
@@ -259,7 +245,7 @@ impl Engine for Keeper {
         };
         let Some(kept) = unpacked(&bytes).filter(of_this) else {
             let name = self.name();
-            store.say(format!(
+            store.report(format!(
                 "a kept run of {name} was damaged or not ours; it is made anew"
             ));
             return None;
@@ -292,33 +278,36 @@ impl Engine for Keeper {
         let mut recording = Recording::new(self, &gearbox.scene, stats, series, Vec::new());
         recording.date.clone_from(&store.date);
         recording.machine.clone_from(&store.machine);
-        let limit_s = most.map(|most| most.as_secs_f64());
-        let ending = run.ending.clone();
-        let kept = Kept::new(self.identity.clone(), limit_s, ending, recording);
-        let written = packed(&kept).map_err(|error| error.to_string());
-        let written = written.and_then(|bytes| {
-            let path = self.path(&gearbox.scene);
-            replace(&path, &bytes, &|_| true).map_err(|error| error.to_string())
-        });
-        if let Err(reason) = written {
-            store.say(format!("runs are not kept: {reason}"));
+        let kept = Kept {
+            identity: self.identity.clone(),
+            limit_s: most.map(|most| most.as_secs_f64()),
+            ending: run.ending.clone(),
+            run: recording,
+        };
+        let path = self.path(&gearbox.scene);
+        if let Some(bytes) = packed(&kept)
+            && let Err(reason) = replace(&path, &bytes, &|_| true)
+        {
+            store.report(format!("runs are not kept: {reason}"));
         }
         store.trim(MOST_BYTES);
     }
 }
 
-/// Returns a stored run as the bytes of its file.
-fn packed(kept: &Kept) -> Result<Vec<u8>, toml::ser::Error> {
-    let mut body = toml::to_string(kept)?.into_bytes();
-    body.push(0);
+/// Returns a stored run as the bytes of its file; `None` if it cannot be written.
+fn packed(kept: &Kept) -> Option<Vec<u8>> {
     let series = &kept.run.time_series;
-    let channels = series.channels().iter().map(|one| one.values.as_slice());
-    for values in std::iter::once(series.time_s()).chain(channels) {
-        body.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-    }
+    let channels = series
+        .channels()
+        .iter()
+        .map(|one| (&*one.name, &*one.values));
+    let columns: Vec<(&str, &[f64])> = once((columns::TIME, series.time_s()))
+        .chain(channels)
+        .collect();
+    let mut body = postcard::to_allocvec(&(toml::to_string(kept).ok()?, columns)).ok()?;
     let mut bytes = format!("{MAGIC}{:016x}\n", fnv(body.iter().copied())).into_bytes();
     bytes.append(&mut body);
-    Ok(bytes)
+    Some(bytes)
 }
 
 /// Reads the output of [`packed`]; `None` if a bit differs.
@@ -331,21 +320,10 @@ fn unpacked(bytes: &[u8]) -> Option<Kept> {
 
 /// Reads description and samples.
 fn read(body: &[u8]) -> Option<Kept> {
-    let end = body.iter().position(|byte| *byte == 0)?;
-    let mut kept: Kept = toml::from_str(std::str::from_utf8(&body[..end]).ok()?).ok()?;
-    let (numbers, rest) = body[end + 1..].as_chunks::<8>();
-    let names = std::iter::once(columns::TIME).chain(kept.channels.iter().map(String::as_str));
-    let rows = numbers.len() / (kept.channels.len() + 1);
-    let columns = names.enumerate().map(|(k, name)| {
-        let values = numbers[k * rows..(k + 1) * rows].iter();
-        (
-            name.to_owned(),
-            values.map(|bytes| f64::from_le_bytes(*bytes)).collect(),
-        )
-    });
+    let (about, columns): (&str, Vec<(String, Vec<f64>)>) = postcard::from_bytes(body).ok()?;
+    let mut kept: Kept = toml::from_str(about).ok()?;
     kept.run.time_series = TimeSeries::of_columns(columns).ok()?;
-    let whole = rest.is_empty() && rows * (kept.channels.len() + 1) == numbers.len();
-    whole.then_some(kept)
+    Some(kept)
 }
 
 /// Private items that tests reach; no part of the interface.
@@ -355,7 +333,12 @@ pub mod internals {
 
     /// Returns a file's body, without its hash.
     pub fn body(run: Recording) -> Vec<u8> {
-        let kept = Kept::new("x".to_owned(), Some(1.0), Ending::Finished, run);
+        let kept = Kept {
+            identity: "x".to_owned(),
+            limit_s: Some(1.0),
+            ending: Ending::Finished,
+            run,
+        };
         let bytes = packed(&kept).unwrap_or_default();
         bytes[bytes.len().min(MAGIC.len() + 17)..].to_vec()
     }

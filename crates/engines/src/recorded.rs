@@ -273,7 +273,7 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
         .collect()
 }
 
-/// A recording of an engine that this build lacks.
+/// Returns the recording of an engine that this build lacks.
 pub fn in_place_of_lacking(engine: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     let remedy = remedy(info(engine)?)?;
     instead(engine, scene, &format!("it is not here ({remedy})"))
@@ -284,7 +284,7 @@ pub fn may_be_missing(engine: &str) -> bool {
     info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }
 
-/// A recording in the place of an engine.
+/// Recording in the place of an engine.
 struct Recorded {
     info: &'static EngineInfo<'static>,
     recording: Recording,

@@ -10,6 +10,7 @@
 //! the lever of a pair, and ring pins get the mass with which m w^2 is the external stage's k. With friction, w^2 is the mean
 //! of k/m over all pairs.
 
+use pinwheel_contact::bisect;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
 use pinwheel_mbs::BodyState;
@@ -198,21 +199,12 @@ impl Fault {
 /// Returns the angle between 0 and `limit`, in the direction of `torque`, at which `resisting` equals it.
 fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Result<f64, Fault> {
     let sign = torque.signum();
-    let (mut low, mut high) = (0.0, limit);
-    if sign * resisting(sign * high) < torque.abs() {
-        let free = sign * resisting(sign * 0.5 * high) <= 0.0;
+    if sign * resisting(sign * limit) < torque.abs() {
+        let free = sign * resisting(sign * 0.5 * limit) <= 0.0;
         return Err(if free { Fault::Play } else { Fault::Soft });
     }
-    // Each halving adds a bit; a double has fewer than 60.
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if sign * resisting(sign * middle) < torque.abs() {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
-    Ok(sign * high)
+    let is_less = |turn: f64| sign * resisting(sign * turn) < torque.abs();
+    Ok(sign * bisect([0.0, limit], is_less)[1])
 }
 
 /// Returns the moment of the contact forces on the pins, N m, about the centre given by `about` for each pair (`None`: not

@@ -40,14 +40,14 @@ pub struct Arrow {
 
 /// Number of a velocity among the hubs or among the leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Place {
+enum Place {
     Hub(usize),
     Leaf(usize),
 }
 
 impl Place {
     /// Returns the places of all velocities, with the numbers of hubs and of leaves.
-    pub(crate) fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
+    fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
         let (mut hubs, mut leaves) = (0, 0);
         let places = is_leaf.iter().map(|&leaf| {
             let counter = if leaf { &mut leaves } else { &mut hubs };
@@ -80,7 +80,12 @@ impl Arrow {
         self.places.len() - self.leaves.len()
     }
 
-    fn clear(&mut self) {
+    /// True if row and column `k` are those of a leaf.
+    pub(crate) fn is_leaf(&self, k: usize) -> bool {
+        matches!(self.places[k], Place::Leaf(_))
+    }
+
+    pub(crate) fn clear(&mut self) {
         self.hubs.fill(0.0);
         self.down.fill(0.0);
         self.up.fill(0.0);
@@ -217,10 +222,15 @@ pub struct Jacobian {
 impl Jacobian {
     /// Creates a Jacobian of zeros. `dimension` is the length of y.
     pub fn new(structure: &Structure, dimension: usize) -> Self {
-        let (rate, second) = match structure {
-            Structure::FirstOrder => (Arrow::new(&vec![false; dimension]), false),
-            Structure::SecondOrder { is_leaf } => (Arrow::new(is_leaf), true),
-        };
+        match structure {
+            Structure::FirstOrder => Self::of(&vec![false; dimension], false),
+            Structure::SecondOrder { is_leaf } => Self::of(is_leaf, true),
+        }
+    }
+
+    /// Creates a Jacobian of zeros with these leaves; `second` adds K.
+    pub(crate) fn of(is_leaf: &[bool], second: bool) -> Self {
+        let rate = Arrow::new(is_leaf);
         let parted = Parted {
             hubs: vec![0.0; rate.hub_count()],
             leaves: vec![0.0; rate.leaves.len()],

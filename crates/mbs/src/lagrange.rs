@@ -8,8 +8,8 @@
 //! the paper's discs, but 4e-10 m inside every second stage, which is 1e-4 of a penetration. [`Stabilisation`] selects the
 //! remedy.
 
+mod projected;
 mod split;
-mod turning;
 
 use std::iter::zip;
 
@@ -22,7 +22,7 @@ use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
-use turning::{Projected, Turning};
+use projected::Projected;
 
 /// Correction of the joints' drift, besides the constraints on accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +46,14 @@ const LOOP_STEPS: usize = 8;
 const LOOP_TOLERANCE: f64 = 1e-14;
 /// Rotation of the fastest body out of a singular pose, rad.
 const BESIDE: f64 = 2e-5;
+
+/// True if a revolute is on the body outside its centre of mass.
+fn turns(mechanism: &Mechanism, body: BodyId) -> bool {
+    mechanism.revolutes.iter().any(|joint| {
+        let child = joint.child == body && joint.child_point != [0.0; 2];
+        child || (joint.parent == Some(body) && joint.parent_point != [0.0; 2])
+    })
+}
 
 /// Returns the state of a body; `None` for the ground.
 fn state_of(bodies: &[BodyState], body: Option<BodyId>) -> BodyState {
@@ -86,8 +94,10 @@ pub struct Lagrange<F> {
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     arms: Vec<Arms>,
-    /// Arms that turn, and the bodies they turn with.
-    turning: Vec<Turning>,
+    /// Bodies with a joint outside their centre of mass.
+    turning: Vec<BodyId>,
+    /// Cosine and sine of the angles of these bodies; other entries are not used.
+    turns: Vec<[f64; 2]>,
     projected: Projected,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
@@ -120,8 +130,9 @@ impl<F: Forces> Lagrange<F> {
             saddle: SaddlePoint::new(&mechanism),
             bodies: vec![BodyState::default(); n],
             loads: vec![Wrench::default(); n],
-            arms: mechanism.revolutes.iter().map(turning::at_rest).collect(),
-            turning: Turning::of(&mechanism),
+            arms: mechanism.revolutes.iter().map(Arms::unturned).collect(),
+            turning: (0..n).filter(|&body| turns(&mechanism, body)).collect(),
+            turns: vec![[1.0, 0.0]; n],
             projected: Projected::new(6 * n),
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             torques: vec![0.0; mechanism.drivers.len()],
@@ -179,8 +190,19 @@ impl<F: Forces> Lagrange<F> {
     }
 
     fn rotate_arms(&mut self) {
-        for turning in &self.turning {
-            turning.rotate(self.bodies[turning.body].angle, &mut self.arms);
+        for &body in &self.turning {
+            let (s, c) = self.bodies[body].angle.sin_cos();
+            self.turns[body] = [c, s];
+        }
+        let turned = |[x, y]: [f64; 2], body: BodyId| {
+            let [c, s] = self.turns[body];
+            [c * x - s * y, s * x + c * y]
+        };
+        for (arms, joint) in zip(&mut self.arms, &self.mechanism.revolutes) {
+            arms.child = turned(joint.child_point, joint.child);
+            if let Some(parent) = joint.parent {
+                arms.parent = turned(joint.parent_point, parent);
+            }
         }
     }
 
@@ -241,11 +263,14 @@ impl<F: Forces> Lagrange<F> {
     /// Sets the right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
     fn set_gamma(&mut self, t: f64) {
         let revolutes = self.arms.len();
-        self.saddle.constraints().fill(Vector3::zeros());
         let kept = pinwheel_faults::factor(pinwheel_faults::Fault::DroppedGamma, 0.0);
-        for turning in &self.turning {
-            let rate = self.bodies[turning.body].rate;
-            turning.add_gamma(kept * rate * rate, &self.arms, self.saddle.constraints());
+        let squared = |body: &BodyState| kept * body.rate * body.rate;
+        let joints = zip(&self.arms, &self.mechanism.revolutes);
+        for (gamma, (arms, joint)) in zip(self.saddle.constraints(), joints) {
+            let child = squared(&self.bodies[joint.child]);
+            let parent = joint.parent.map_or(0.0, |body| squared(&self.bodies[body]));
+            let [x, y] = [0, 1].map(|i| child * arms.child[i] - parent * arms.parent[i]);
+            *gamma = Vector3::new(x, y, 0.0);
         }
         for (k, driver) in self.mechanism.drivers.iter().enumerate() {
             let (_, _, acceleration) = driver.motion.at(t);
@@ -276,7 +301,7 @@ impl<F: Forces> Lagrange<F> {
         }
         self.rotate_arms();
         self.forest.place(&mut self.bodies, &self.arms);
-        if !self.forest.closures.is_empty() {
+        if self.forest.has_loops {
             self.close_loops(t);
         }
     }

@@ -3,7 +3,7 @@
 //! Along the forest every centre of mass follows from the angles exactly, without a solve, by `r_child = r_parent + A_parent
 //! s_parent - A_child s_child`.
 
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Revolute};
 use crate::state::{BodyId, BodyState};
 
 /// Arms of one revolute in the ground frame.
@@ -13,29 +13,38 @@ pub(crate) struct Arms {
     pub(crate) child: [f64; 2],
 }
 
+impl Arms {
+    /// Returns the arms while both bodies have angles of 0.
+    pub(crate) fn unturned(joint: &Revolute) -> Self {
+        Self {
+            parent: joint.parent_point,
+            child: joint.child_point,
+        }
+    }
+}
+
 /// Revolute of the forest, in an order with parents before children.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Branch {
-    pub(crate) revolute: usize,
+struct Branch {
+    revolute: usize,
     /// Body whose position is computed.
-    pub(crate) body: BodyId,
+    body: BodyId,
     /// Body (or ground) from which it is computed.
-    pub(crate) from: Option<BodyId>,
+    from: Option<BodyId>,
     /// True if `body` is the joint's child and `from` its parent; else the reverse.
-    pub(crate) outwards: bool,
+    outwards: bool,
 }
 
 /// Forest, and the joints and bodies outside it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Forest {
-    pub(crate) branches: Vec<Branch>,
     /// Bodies not reached by a revolute of the forest.
     pub(crate) roots: Vec<BodyId>,
     /// Branches whose bodies' centres are fixed by the ground.
     resting: Vec<Branch>,
     moving: Vec<Branch>,
-    /// Revolutes that close loops.
-    pub(crate) closures: Vec<usize>,
+    /// True if revolutes close loops.
+    pub(crate) has_loops: bool,
 }
 
 impl Forest {
@@ -81,19 +90,18 @@ impl Forest {
                 }
             }
         }
-        let closures: Vec<usize> = (0..used.len()).filter(|&k| !used[k]).collect();
+        let has_loops = used.contains(&false);
         // Closing loops moves all bodies.
         let rests = |branch: &Branch| {
             let pinned = mechanism.revolutes[branch.revolute].child_point == [0.0; 2];
-            closures.is_empty() && branch.from.is_none() && pinned
+            !has_loops && branch.from.is_none() && pinned
         };
-        let (resting, moving) = branches.iter().copied().partition(|branch| rests(branch));
+        let (resting, moving) = branches.into_iter().partition(rests);
         Self {
-            branches,
             roots,
             resting,
             moving,
-            closures,
+            has_loops,
         }
     }
 

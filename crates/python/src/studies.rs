@@ -128,7 +128,7 @@ pub(crate) fn compare(
         };
         comparison::run_on(&input, effort, &lanes, control)
     })?;
-    said.extend(store.iter().flat_map(|store| store.said()));
+    said.extend(store.iter().flat_map(|store| store.messages()));
     let failure = raised.iter().find_map(|(name, raised)| {
         let mut all = outcome.participants.iter();
         let failed = all.find(|one| {

@@ -9,7 +9,7 @@
 use pinwheel_contact::{Real, Scalar};
 
 use crate::error::Fault;
-use crate::model::{Bearings, EccentricBearing, Scene};
+use crate::model::{EccentricBearing, Scene};
 use crate::number::short;
 use crate::springs::wheel_torque_n_m;
 
@@ -43,12 +43,6 @@ pub(crate) fn of_rollers(rollers: f64, length_m: f64) -> (f64, f64) {
     // F(delta), delta in m.
     let per_metre = 1e3 * (1e3 * length_m).powf(0.8) / 7.68e-5;
     (rollers / 4.08 * per_metre.powf(ROLLERS), ROLLERS)
-}
-
-impl Bearings {
-    pub(crate) fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 impl Scene {

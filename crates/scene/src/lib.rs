@@ -87,7 +87,7 @@ pub use model::{
     OutputPart, PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start, Structure,
     Temperature,
 };
-pub use outline::Outline;
+pub use outline::{Outline, turned};
 pub use parse::{Draft, Override, edited};
 pub use pinwheel_files::{MOST_BYTES, did_you_mean, nearest};
 pub use presets::{PRESETS, Preset, preset};

@@ -25,10 +25,10 @@ pub struct Scene {
     /// Contact law and detection.
     pub contact: Contact,
     /// Compliance beside that of the contacts; without it only contacts deflect.
-    #[serde(default, skip_serializing_if = "Bearings::is_none")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub bearings: Bearings,
     /// Parts behind the contacts that give way.
-    #[serde(default, skip_serializing_if = "Structure::is_none")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub structure: Structure,
     /// Parts warmer than when their sizes were measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -39,10 +39,10 @@ pub struct Scene {
     /// Formulation, integrator and sampling.
     pub solver: Solver,
     /// Channels recorded beyond the contract's columns.
-    #[serde(default, skip_serializing_if = "Output::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub output: Output,
     /// Limits of the parts; without them those of the materials, if known.
-    #[serde(default, skip_serializing_if = "Limits::is_none")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub limits: Limits,
     /// Half-widths of uncertain values, by key: for tolerance intervals and comparisons with measured data.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -86,11 +86,16 @@ pub struct Gear {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub eccentric_bore_radius_m: Option<f64>,
     /// Modification of the discs' profile against the one that fits the ring.
-    #[serde(default, skip_serializing_if = "Modification::is_none")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub modification: Modification,
     /// Deviations of single pins, holes and discs.
-    #[serde(default, skip_serializing_if = "Errors::is_none")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub errors: Errors,
+}
+
+/// True for a value that files omit.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Returns the default of a pin's turning.
@@ -148,12 +153,6 @@ pub enum OutputPart {
     Ring,
 }
 
-impl OutputPart {
-    fn is_carrier(&self) -> bool {
-        *self == Self::Carrier
-    }
-}
-
 /// Motion and load (Tab. 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -163,7 +162,7 @@ pub struct Drive {
     /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
     pub output_torque_n_m: f64,
     /// Output part; the other one is fixed.
-    #[serde(default, skip_serializing_if = "OutputPart::is_carrier")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub output: OutputPart,
     /// Initial state.
     pub start: Start,
@@ -401,12 +400,6 @@ pub struct Limits {
     pub wall_m: Option<f64>,
 }
 
-impl Limits {
-    fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 /// Elastic bearing between an eccentric and its disc: F = K max(0, d - g)^p along the offset d of their centres, and
 /// damping. Either K is given, or rollers after Palmgren.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -517,12 +510,6 @@ pub struct Solver {
 pub struct Output {
     /// Names of channels ([`crate::channels::FAMILIES`]); `*` matches any characters.
     pub channels: Vec<String>,
-}
-
-impl Output {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// Published gearbox, the preset `paper`.

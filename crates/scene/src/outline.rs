@@ -7,6 +7,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use pinwheel_contact::bisect;
+
 use crate::error::Fault;
 use crate::model::Gear;
 use crate::number::short;
@@ -92,7 +94,8 @@ impl Gear {
     }
 }
 
-fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+/// Returns a point turned about the origin.
+pub fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [x * cos - y * sin, x * sin + y * cos]
 }
@@ -126,16 +129,10 @@ impl Edge {
 
     /// Returns the parameter of the profile with this polar angle, within a lobe; both increase together.
     fn at_polar(&self, wanted: f64) -> f64 {
-        let (mut low, mut high) = (0.0, TAU / self.profile.lobes());
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            let [x, y] = self.profile.offset_point(middle);
-            if y.atan2(x) < wanted {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, high] = bisect([0.0, TAU / self.profile.lobes()], |a| {
+            let [x, y] = self.profile.offset_point(a);
+            y.atan2(x) < wanted
+        });
         0.5 * (low + high)
     }
 

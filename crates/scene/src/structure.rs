@@ -18,7 +18,7 @@ use pinwheel_contact::Material;
 
 use crate::error::Fault;
 use crate::materials::material;
-use crate::model::{Detection, Held, Scene, Structure};
+use crate::model::{Detection, Held, Scene};
 use crate::number::short;
 use crate::springs::{external_force, internal_force, law_parameters, wheel_torque_n_m};
 
@@ -26,12 +26,6 @@ use crate::springs::{external_force, internal_force, law_parameters, wheel_torqu
 pub const MOST_DISCS: usize = 4;
 const DIAMETER: &str = "structure.output_pin_diameter_m";
 const HELD: &str = "bearings.internal_sleeves_held";
-
-impl Structure {
-    pub(crate) fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
-}
 
 fn shear_modulus(of: Material) -> f64 {
     0.5 * of.young / (1.0 + of.poisson)

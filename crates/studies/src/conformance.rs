@@ -33,10 +33,10 @@ use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
 use crate::stages::{Located, of_engine};
 
-/// One trial.
+/// Outcome of one trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// Its name in tables: `load changes`.
+    /// Name in tables: `load changes`.
     pub name: &'static str,
     /// Requirement of the trial.
     pub must: &'static str,
@@ -49,15 +49,15 @@ pub struct Finding {
 /// All trials of one solver.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Its name.
+    /// Name of the solver.
     pub solver: String,
-    /// Its version.
+    /// Version of the solver.
     pub version: String,
-    /// Its track.
+    /// Track of the solver.
     pub track: SharedModel,
-    /// One line on the solver: agrees, or differs and where.
+    /// Verdict in one line: agrees, or differs and where.
     pub answer: String,
-    /// One a trial, in their order.
+    /// Outcomes of the trials, in their order.
     pub findings: Vec<Finding>,
     /// Stages at the first failure that shows them.
     pub stages: Option<Located>,
@@ -69,7 +69,7 @@ impl Outcome {
         self.count(State::Failed) == 0
     }
 
-    /// How many findings are in a state.
+    /// Returns the number of findings in a state.
     pub fn count(&self, state: State) -> usize {
         self.findings.iter().filter(|f| f.state == state).count()
     }
@@ -77,12 +77,12 @@ impl Outcome {
     /// Writes `summary.json` into the folder `dir`.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
         Summary::new(made, self).write(dir)
     }
 
-    /// For CI systems.
+    /// Returns the findings as a suite for CI systems.
     pub fn suite(&self) -> TestSuite {
         let answer = junit::case(&self.answer, junit::passed(self.passed()), &self.answer);
         let findings = self.findings.iter().map(|finding| {
@@ -99,7 +99,7 @@ type Seen = Result<String, Miss>;
 
 /// End of a trial that did not pass.
 enum Miss {
-    /// It failed or was skipped, with the observation.
+    /// Trial that failed or was skipped, with the observation.
     Ended(State, String),
     /// The check cannot go on.
     Study(StudyError),
@@ -119,7 +119,7 @@ fn skipped<T>(seen: impl ToString) -> Result<T, Miss> {
     Err(Miss::Ended(State::Skipped, seen.to_string()))
 }
 
-/// A solver that shares the law may differ from the native one by this in its first sample, relative: rounding.
+/// Largest relative difference from the native run in the first sample of a solver that shares the law: rounding.
 const FIRST: f64 = 1e-8;
 /// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
 /// must be seen.
@@ -130,27 +130,27 @@ const NATIVE: f64 = 1e-6;
 const SHORT_RAD: f64 = 16.0;
 /// Step of such a run, in the same radians: Heun's error is then a thousandth.
 const STEP_RAD: f64 = 0.02;
-/// A short run that is this near to the native one, relative L2 of a quantity, is right. Heun's method comes within 8e-5; of the faults
+/// Largest relative L2 distance of a quantity of a short run that is right. Heun's method comes within 8e-5; of the faults
 /// tried the smallest (damping without its ramp) makes 2e-3.
 const RIGHT: f64 = 5e-4;
-/// As [`RIGHT`] where no `[refine]` says how to see the solver's own error.
+/// Same bound for a solver without `[refine]`, whose own error is unknown.
 const UNREFINED: f64 = 2e-2;
-/// A short run that is not [`RIGHT`], and whose own error may be why, is run at a quarter of the step until there are so many.
+/// Largest number of runs, each at a quarter of the step, of a solver whose own error may be why it is not [`RIGHT`].
 const LEVELS: i32 = 4;
-/// How long a solver may need to end after it was asked to.
+/// Longest time that a solver may need to end after a request.
 const ENDS_S: f64 = 3.0;
 /// Time after which a solver is ended that is tried on a run without end.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// One trial as `trials.toml` has it.
+/// Trial as `trials.toml` has it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trial {
     name: String,
     must: String,
-    /// Keys of its scene.
+    /// Keys of the trial's scene.
     pub set: Vec<String>,
-    /// Word that counts its scenes.
+    /// Noun for the trial's scenes.
     pub what: String,
     /// True if a refusal of a scene is no failure.
     may_refuse: bool,
@@ -158,7 +158,7 @@ pub struct Trial {
     pub scenes: Vec<Held>,
 }
 
-/// A scene that is held against the native run, or a case of the law vectors.
+/// Scene that is compared with the native run, or a case of the law vectors.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Held {
     name: String,
@@ -254,7 +254,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     })
 }
 
-/// Says in a line what the findings come to.
+/// Returns the verdict of the findings in one line.
 fn answer(findings: &[Finding], track: SharedModel) -> String {
     let with = |state: State| findings.iter().filter(move |f| f.state == state);
     if let Some(first) = with(State::Failed).next() {
@@ -319,7 +319,7 @@ impl Trials<'_> {
         }
     }
 
-    /// A preset with these keys.
+    /// Returns a preset with these keys.
     fn scene(&self, preset: &str, set: &[String]) -> Result<CheckedScene, Miss> {
         let keys = self.set.iter().chain(set).map(|key| key.parse());
         let keys: Result<Vec<Override>, _> = keys.collect();
@@ -330,7 +330,7 @@ impl Trials<'_> {
         self.solver.track() == SharedModel::SharedLaw
     }
 
-    /// A run of the solver or the native one that must finish; a miss of that `state` otherwise.
+    /// Runs the solver or the native one; a run that does not finish is a miss of that `state`.
     fn run(&self, engine: &dyn Engine, scene: &CheckedScene, state: State) -> Result<Run, Miss> {
         let ran = engine.run(scene, &self.control)?.whole();
         ran.map_err(|ending| Miss::Ended(state, format!("{} {ending}", engine.name())))
@@ -344,14 +344,14 @@ impl Trials<'_> {
         Ok(self.run(&engine, scene, State::Skipped)?.time_series)
     }
 
-    /// A run of the solver with another setting of the key of `[refine]`.
+    /// Runs the solver with another setting of the key of `[refine]`.
     fn at(&self, scene: &Scene, knob: AccuracySetting, setting: f64) -> Result<TimeSeries, Miss> {
         let mut scene = scene.clone();
         knob.set(&mut scene, setting);
         Ok(self.own(&scene.check().or_else(failed)?)?.time_series)
     }
 
-    /// Key of `[refine]`, the factor between two of its settings, which is `by` for steps, and the error's order in it.
+    /// Returns the key of `[refine]`, the factor between two of its settings, which is `by` for steps, and the error's order in it.
     fn refinement(&self, by: f64, rough: Rough) -> Option<(AccuracySetting, f64, Method)> {
         let refinement = self.solver.info().refinement?;
         let (order, rough) = (refinement.order, Some(rough));
@@ -525,7 +525,7 @@ impl Trials<'_> {
         Ok(seen)
     }
 
-    /// At rest under load, the balances of power and torque say what must come.
+    /// Checks the start at rest under load by the balances of power and torque.
     fn start(&self, scene: &CheckedScene) -> Seen {
         let time_series = self.own(scene)?.time_series;
         let native = self.native(Native::REDUCED, scene)?;
@@ -672,8 +672,8 @@ fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f6
     }
 }
 
-/// Relative L2 distance of each quantity of `a` from `b`, all its columns together, the largest first; the output's angle is left
-/// out, as it grows.
+/// Returns the relative L2 distance of each quantity of `a` from `b`, all its columns together, the largest first, without the
+/// output's angle, which grows.
 fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
     let mut found = Vec::new();
     for quantity in derive([a, b]) {
@@ -690,7 +690,7 @@ fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
     found
 }
 
-/// Distance of the quantity that is farthest off.
+/// Returns the distance of the quantity that is farthest off.
 fn apart(a: &TimeSeries, b: &TimeSeries) -> f64 {
     distances(a, b).first().map_or(f64::NAN, |(off, _)| *off)
 }
@@ -708,7 +708,7 @@ fn place(a: &TimeSeries, b: &TimeSeries) -> String {
     places.join(", ")
 }
 
-/// The largest difference of these columns of `a` from those of `b`, in words.
+/// Returns the largest difference of these columns of `a` from those of `b`, in words.
 fn farthest(names: &[String], a: &TimeSeries, b: &TimeSeries) -> String {
     let (mut peak, mut far, mut at) = (f64::MIN_POSITIVE, 0.0, (names[0].as_str(), 0.0));
     for name in names {

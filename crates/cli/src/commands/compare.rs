@@ -55,7 +55,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         ahead: Some(ahead),
     };
     let found = watched(|control| comparison::run_on(&input, effort, &lanes, control));
-    for line in store.iter().flat_map(|store| store.said()) {
+    for line in store.iter().flat_map(|store| store.messages()) {
         screen::warn(&line);
     }
     let mut found = found.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use pinwheel_contact::bisect;
 use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::{Rotation, Vector};
 
@@ -34,18 +35,7 @@ pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         point.y.atan2(point.x)
     };
     // From the tip at 0 to the pit: the flank of a disc rotated back by `turn`, up to the middle of tip and pit.
-    let at = |angle: f64| {
-        let (mut low, mut high) = (angle - half, angle + half);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if polar(middle) < angle {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
-    };
+    let at = |angle: f64| bisect([angle - half, angle + half], |a| polar(a) < angle)[1];
     let (tip, pit) = (at(turn), at(half + turn));
     let steps = (count / (2 * gear.lobes())).max(2);
     let back = Rotation::new(-turn);

@@ -100,7 +100,7 @@ fn a_kept_run_is_the_run() {
         (store.made(), store.cost_s("fake", &scene.scene)),
         (0, Some(3.5))
     );
-    assert!(store.said().is_empty());
+    assert!(store.messages().is_empty());
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn bad_input_damaged_files_are_made_anew() {
         std::fs::write(&path, bytes).unwrap();
         let (store, engine) = opened(dir.path(), false, "1");
         assert!(engine.kept(&scene, None).is_none());
-        let [said] = store.said().try_into().unwrap();
+        let [said] = store.messages().try_into().unwrap();
         assert!(
             said.contains("fake") && said.contains("made anew"),
             "{said}"
@@ -231,7 +231,7 @@ fn several_may_use_it_at_once() {
                 engine.keep(&scene, &run(), None);
                 assert_eq!(bits(&engine.kept(&scene, None).unwrap()), bits(&run()));
             }
-            store.said()
+            store.messages()
         };
         let all: Vec<_> = (0..4).map(|_| scope.spawn(work)).collect();
         all.into_iter()

@@ -48,14 +48,6 @@ impl Clock {
         }
     }
 
-    /// Returns the start of the last step, s.
-    pub(super) fn begin(&self) -> f64 {
-        match self.start {
-            Some(start) => start + (self.counts.steps - 1) as f64 * self.h,
-            None => self.time - self.taken,
-        }
-    }
-
     /// Returns an error if rounding would make the step ineffective.
     pub(super) fn room(&self) -> Result<(), StepError> {
         if self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE) {

@@ -10,16 +10,17 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
+use super::weighted::{Row, set_sum};
 use super::{StepError, check_finite};
 use crate::OdeSystem;
 
-/// Coefficients; `a[i]` has i entries.
+/// Coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tableau {
     /// Stage weights.
-    pub a: &'static [&'static [f64]],
+    pub a: &'static [Row],
     /// Step weights.
-    pub b: &'static [f64],
+    pub b: Row,
     /// Stage times.
     pub c: &'static [f64],
 }
@@ -56,7 +57,7 @@ impl FixedStep {
             y: y.to_vec(),
             y_before: y.to_vec(),
             f_before: vec![0.0; n],
-            stages: vec![vec![0.0; n]; tableau.b.len()],
+            stages: vec![vec![0.0; n]; tableau.a.len()],
             fresh: false,
             scratch: vec![0.0; n],
         }
@@ -112,31 +113,5 @@ impl Method for FixedStep {
     fn resume(&mut self, saved: Self) {
         let tableau = self.tableau;
         *self = Self { tableau, ..saved };
-    }
-}
-
-/// Computes out = y + h (sum of weights times stages), two stages at a time, as every pass reads and writes each number.
-fn set_sum(out: &mut [f64], y: &[f64], h: f64, weights: &[f64], stages: &[Vec<f64>]) {
-    let mut terms = weights.iter().zip(stages).filter(|(w, _)| **w != 0.0);
-    let Some((w, k)) = terms.next() else {
-        out.copy_from_slice(y);
-        return;
-    };
-    match terms.next() {
-        None => {
-            for ((out, y), k) in out.iter_mut().zip(y).zip(k) {
-                *out = y + w * h * k;
-            }
-        }
-        Some((v, l)) => {
-            for (((out, y), k), l) in out.iter_mut().zip(y).zip(k).zip(l) {
-                *out = y + w * h * k + v * h * l;
-            }
-        }
-    }
-    for (w, k) in terms {
-        for (out, k) in out.iter_mut().zip(k) {
-            *out += w * h * k;
-        }
     }
 }

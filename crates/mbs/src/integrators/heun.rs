@@ -9,8 +9,8 @@
 use super::{FIXED, Family, MethodInfo, Tableau};
 
 pub(super) const TABLEAU: Tableau = Tableau {
-    a: &[&[], &[1.0]],
-    b: &[0.5, 0.5],
+    a: &[&[], &[(0, 1.0)]],
+    b: &[(0, 0.5), (1, 0.5)],
     c: &[0.0, 1.0],
 };
 

@@ -16,8 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Clock, Method, fields};
-use super::{FIXED, Family, MethodInfo, StepError, check_finite};
+use super::{FIXED, Family, MethodInfo};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -29,7 +28,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
 };
 
 /// Coefficient g.
-pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Coefficient d.
 const DELTA: f64 = 1.0 - 0.5 / GAMMA;
 
@@ -79,60 +78,4 @@ pub(super) fn advance(
     }
     to.i.copy_from_slice(&stage.i);
     system.split_stage(t + h, a, &mut to.y, &mut to.e, &mut to.i);
-}
-
-/// Fixed-step run.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct ImexFixed {
-    clock: Clock,
-    before: Point,
-    now: Point,
-    stage: Point,
-    next: Point,
-    /// True if the derivatives at `now` are known.
-    fresh: bool,
-}
-
-impl ImexFixed {
-    /// Starts at (t, y) with step `h` (s).
-    pub fn new(h: f64, t: f64, y: &[f64]) -> Self {
-        let point = Point::new(y);
-        Self {
-            clock: Clock::fixed(h, t),
-            before: point.clone(),
-            now: point.clone(),
-            stage: point.clone(),
-            next: point,
-            fresh: false,
-        }
-    }
-}
-
-impl Method for ImexFixed {
-    fields!(clock, now.y);
-
-    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
-        let (t, h, end) = (self.clock.time, self.clock.h, self.clock.end());
-        if !self.fresh {
-            self.now.evaluate(system, t);
-            self.clock.counts.evaluations += 1;
-            self.fresh = true;
-        }
-        let (stage, next) = (&mut self.stage, &mut self.next);
-        advance(system, t, h, &self.now, stage, next);
-        self.clock.counts.evaluations += 2;
-        check_finite(&[&self.next.y, &self.next.e, &self.next.i], end)?;
-        system.project(end, &mut self.next.y);
-        std::mem::swap(&mut self.before, &mut self.now);
-        std::mem::swap(&mut self.now, &mut self.next);
-        self.clock.advance();
-        Ok(())
-    }
-
-    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
-        let (begin, h) = (self.clock.begin(), self.clock.h - (self.clock.time - t));
-        let (stage, next) = (&mut self.stage, &mut self.next);
-        advance(system, begin, h, &self.before, stage, next);
-        y.copy_from_slice(&self.next.y);
-    }
 }

@@ -14,9 +14,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::clock::{Clock, Method, fields};
-use super::imex::{Point, advance};
-use super::{ADAPTIVE, Family, MethodInfo, StepError, check_finite};
+use super::imex::Point;
+use super::{ADAPTIVE, Family, MethodInfo};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
@@ -35,49 +34,44 @@ const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 2.0;
 
-/// Adaptive run.
+/// Control of the step by the error estimate of the module.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct ImexAdaptive {
+pub(super) struct StepControl {
     target: f64,
-    clock: Clock,
-    time_before: f64,
-    before: Point,
-    now: Point,
-    stage: Point,
-    next: Point,
     scale: Vec<f64>,
-    fresh: bool,
 }
 
-impl ImexAdaptive {
-    /// Starts at (t, y) with a first step `h` (s); `tolerance` is relative, of the entire run.
-    pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
-        let point = Point::new(y);
+impl StepControl {
+    /// Creates the control for a relative `tolerance` of the entire run.
+    pub(super) fn new(tolerance: f64, dimension: usize) -> Self {
         Self {
             target: tolerance * tolerance.sqrt(),
-            clock: Clock::new(h, t),
-            time_before: t,
-            before: point.clone(),
-            now: point.clone(),
-            stage: point.clone(),
-            scale: y.to_vec(),
-            next: point,
-            fresh: false,
+            scale: vec![0.0; dimension],
         }
     }
 
-    fn accept(&mut self, system: &mut dyn OdeSystem, factor: f64) {
-        self.time_before = self.clock.time;
-        self.clock.accept(factor);
-        system.project(self.clock.time, &mut self.next.y);
-        std::mem::swap(&mut self.before, &mut self.now);
-        std::mem::swap(&mut self.now, &mut self.next);
+    /// True if a step of length `h` is accepted; with the length of the next one or of the next attempt, relative to it.
+    pub(super) fn judge(
+        &mut self,
+        system: &dyn OdeSystem,
+        h: f64,
+        from: &Point,
+        to: &Point,
+    ) -> (bool, f64) {
+        let share = self.error(system, h, from, to) / self.target;
+        // A step that cannot be evaluated is far too long.
+        let factor = if share.is_finite() {
+            (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
+        } else {
+            SHRINK
+        };
+        let accepted = share <= 1.0;
+        (accepted, if accepted { factor } else { factor.min(SAFETY) })
     }
 
     /// Returns the error estimate of the module; NaN or infinite if a number is.
-    fn error(&mut self, system: &dyn OdeSystem, h: f64) -> f64 {
-        system.scale(&self.next.y, &mut self.scale);
-        let (from, to) = (&self.now, &self.next);
+    fn error(&mut self, system: &dyn OdeSystem, h: f64, from: &Point, to: &Point) -> f64 {
+        system.scale(&to.y, &mut self.scale);
         let mut worst: f64 = 0.0;
         for k in 0..to.y.len() {
             let derivatives = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
@@ -92,43 +86,5 @@ impl ImexAdaptive {
             }
         }
         worst
-    }
-}
-
-impl Method for ImexAdaptive {
-    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
-        if !self.fresh {
-            self.now.evaluate(system, self.clock.time);
-            self.clock.counts.evaluations += 1;
-            self.fresh = true;
-        }
-        check_finite(&[&self.now.e, &self.now.i], self.clock.time)?;
-        loop {
-            self.clock.room()?;
-            let h = self.clock.h;
-            let (t, stage, next) = (self.clock.time, &mut self.stage, &mut self.next);
-            advance(system, t, h, &self.now, stage, next);
-            self.clock.counts.evaluations += 2;
-            let share = self.error(system, h) / self.target;
-            // A step that cannot be evaluated is far too long.
-            let factor = if share.is_finite() {
-                (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
-            } else {
-                SHRINK
-            };
-            if share <= 1.0 {
-                self.accept(system, factor);
-                return Ok(());
-            }
-            self.clock.reject(factor.min(SAFETY));
-        }
-    }
-
-    fields!(clock, now.y);
-
-    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
-        let (begin, stage, next) = (self.time_before, &mut self.stage, &mut self.next);
-        advance(system, begin, t - begin, &self.before, stage, next);
-        y.copy_from_slice(&self.next.y);
     }
 }

@@ -44,6 +44,7 @@ mod explicit;
 mod heun;
 mod imex;
 mod imex_adaptive;
+mod imex_run;
 mod rk4;
 mod rodas5p;
 pub(crate) mod rodas5p_coefficients;
@@ -54,8 +55,7 @@ pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use etd_adams::EtdAdams;
 pub use explicit::{FixedStep, Tableau};
-pub use imex::ImexFixed;
-pub use imex_adaptive::ImexAdaptive;
+pub use imex_run::Imex;
 pub use rodas5p::Rodas5p;
 pub use segments::Segments;
 
@@ -263,8 +263,8 @@ methods! { |settings, t, y|
     dopri5 => Dopri5::new(settings.step, settings.tolerance, t, y),
     dop853 => Dop853::new(settings.step, settings.tolerance, t, y),
     etd_adams => EtdAdams::new(settings.step, settings.tolerance, t, y),
-    imex => ImexFixed::new(settings.step, t, y),
-    imex_adaptive => ImexAdaptive::new(settings.step, settings.tolerance, t, y),
+    imex => Imex::fixed(settings.step, t, y),
+    imex_adaptive => Imex::adaptive(settings.step, settings.tolerance, t, y),
     rodas5p => Rodas5p::new(settings.step, settings.tolerance, t, y),
 }
 

@@ -18,11 +18,12 @@
 //! ```
 //! A gear has only hubs and leaves.
 
+use std::collections::BTreeSet;
 use std::iter::once;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::mechanism::{Mechanism, Revolute};
+use crate::mechanism::Mechanism;
 use crate::tree::Arms;
 
 /// Inertia of a body and the leaves on it, about its centre of mass.
@@ -115,11 +116,52 @@ pub(super) struct Pinned {
     pub(super) inertia: Vec<Inertia>,
 }
 
-/// Remainder of a mechanism after elimination, and the places of its parts in the full mechanism.
+/// Bodies and constraints that are not eliminated in closed form, by their numbers in the mechanism.
+#[derive(Debug, Clone)]
 pub(super) struct Rest {
-    pub(super) mechanism: Mechanism,
     pub(super) bodies: Vec<usize>,
     pub(super) constraints: Vec<usize>,
+    /// Child and parent of each constraint, by their places in `bodies`; no parent: the ground.
+    pub(super) ends: Vec<[Option<usize>; 2]>,
+    /// Number of revolutes of the mechanism, which come before its drivers.
+    pub(super) revolutes: usize,
+}
+
+impl Rest {
+    /// Sorts the constraints: next is always the one with the fewest neighbours, whose elimination joins these. Returns each
+    /// one's neighbours at its elimination, in ascending order.
+    pub(super) fn order(&mut self) -> Vec<Vec<usize>> {
+        let count = self.ends.len();
+        let joined = |a: usize, b: usize| {
+            let mut bodies = self.ends[a].iter().flatten();
+            a != b && bodies.any(|body| self.ends[b].contains(&Some(*body)))
+        };
+        let near_of = |a| (0..count).filter(|&b| joined(a, b)).collect();
+        let mut near: Vec<BTreeSet<usize>> = (0..count).map(near_of).collect();
+        let mut left: Vec<usize> = (0..count).collect();
+        let mut order = Vec::new();
+        while let Some(least) = (0..left.len()).min_by_key(|&k| near[left[k]].len()) {
+            let next = left.remove(least);
+            let own = near[next].clone();
+            for other in &own {
+                near[*other].extend(&own);
+                near[*other].retain(|c| c != other && *c != next);
+            }
+            order.push(next);
+        }
+        let mut places = vec![0; count];
+        for (place, &c) in order.iter().enumerate() {
+            places[c] = place;
+        }
+        self.constraints = order.iter().map(|&c| self.constraints[c]).collect();
+        self.ends = order.iter().map(|&c| self.ends[c]).collect();
+        let sorted = |c: usize| {
+            let mut below: Vec<usize> = near[c].iter().map(|&c| places[c]).collect();
+            below.sort_unstable();
+            below
+        };
+        order.into_iter().map(sorted).collect()
+    }
 }
 
 impl Pinned {
@@ -196,18 +238,30 @@ impl Pinned {
             hubs,
             inertia,
         };
-        let points = |j: &Revolute| Arms {
-            parent: j.parent_point,
-            child: j.child_point,
-        };
         // Inertias are computed at angles of 0, because bodies rotate with all that they carry.
-        pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
+        pinned.place(
+            &mechanism
+                .revolutes
+                .iter()
+                .map(Arms::unturned)
+                .collect::<Vec<_>>(),
+        );
         for hub in &mut pinned.hubs {
             let times = pinned.inertia[hub.body].times(&hub.free);
             hub.over_inertia = hub.free.dot(&times).recip();
             left[hub.body] = false;
         }
-        (pinned, Rest::new(mechanism, &left, &ends))
+        let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
+        let place = |body: usize| bodies.partition_point(|&k| k < body);
+        let constraints: Vec<usize> = (0..ends.len()).filter(|&c| left[ends[c].0]).collect();
+        let of = |&c: &usize| [Some(place(ends[c].0)), ends[c].1.map(place)];
+        let rest = Rest {
+            ends: constraints.iter().map(of).collect(),
+            bodies,
+            constraints,
+            revolutes,
+        };
+        (pinned, rest)
     }
 
     /// Sets all leaves and hubs for the arms of the revolutes.
@@ -272,37 +326,6 @@ impl Pinned {
             for leaf in &self.leaves[own.clone()] {
                 finish_leaf(leaf, bodies, leaf.of_parent(&a));
             }
-        }
-    }
-}
-
-impl Rest {
-    /// Creates the remainder: the bodies that are `left`, and the constraints on them, by their `ends`.
-    fn new(mechanism: &Mechanism, left: &[bool], ends: &[(usize, Option<usize>)]) -> Self {
-        let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
-        let place = |body: usize| bodies.partition_point(|&k| k < body);
-        let revolutes = mechanism.revolutes.iter().filter(|j| left[j.child]);
-        let revolutes = revolutes.map(|j| Revolute {
-            parent: j.parent.map(place),
-            child: place(j.child),
-            ..*j
-        });
-        let mut drivers = mechanism.drivers.clone();
-        drivers.retain(|d| left[d.child]);
-        for driver in &mut drivers {
-            (driver.parent, driver.child) = (driver.parent.map(place), place(driver.child));
-        }
-        Self {
-            mechanism: Mechanism {
-                bodies: bodies
-                    .iter()
-                    .map(|&k| mechanism.bodies[k].clone())
-                    .collect(),
-                revolutes: revolutes.collect(),
-                drivers,
-            },
-            constraints: (0..ends.len()).filter(|&c| left[ends[c].0]).collect(),
-            bodies,
         }
     }
 }

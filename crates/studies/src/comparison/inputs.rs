@@ -10,6 +10,7 @@ use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::View;
 
 use crate::StudyError;
+use crate::band::intervals;
 use crate::control::{Control, Progress, complete};
 use crate::rng::Rng;
 use crate::sampling::hypercube;
@@ -96,16 +97,11 @@ fn scatter(series: &[Vec<f64>]) -> f64 {
 /// Keys of a run with their values.
 type Moves<'a> = Vec<(&'a str, f64)>;
 
-fn value(scene: &CheckedScene, key: &str) -> f64 {
-    scene.number(key).unwrap_or(f64::NAN)
-}
-
 /// Returns runs with one key at the lower or upper end of its interval and the others in the middle.
 fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut runs = Vec::new();
-    for (key, half) in &scene.uncertain {
-        let middle = value(scene, key);
-        runs.extend([-1.0, 1.0].map(|sign| vec![(key.as_str(), middle + sign * half.plus_minus)]));
+    for (key, middle, half) in intervals(scene) {
+        runs.extend([-1.0, 1.0].map(|sign| vec![(key.as_str(), middle + sign * half)]));
     }
     runs
 }
@@ -115,10 +111,9 @@ fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
 fn all_at_once(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut rng = Rng::new(1);
     let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];
-    for (key, half) in &scene.uncertain {
-        let middle = value(scene, key);
+    for (key, middle, half) in intervals(scene) {
         for (run, at) in runs.iter_mut().zip(hypercube(&mut rng, SAMPLES)) {
-            run.push((key.as_str(), middle + (2.0 * at - 1.0) * half.plus_minus));
+            run.push((key.as_str(), middle + (2.0 * at - 1.0) * half));
         }
     }
     runs

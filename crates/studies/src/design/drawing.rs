@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pinwheel_scene::{CheckedScene, Gear, Outline, bore_radius_m};
+use pinwheel_scene::{CheckedScene, Gear, Outline, bore_radius_m, turned};
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
@@ -70,11 +70,6 @@ pub fn discs(scene: &CheckedScene) -> Result<Vec<Drawing>, StudyError> {
         });
     }
     Ok(drawings)
-}
-
-fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
-    [x * cos - y * sin, x * sin + y * cos]
 }
 
 /// True if one disc is the other one turned by some lobes: all edges are equal, holes may differ.

@@ -1,6 +1,6 @@
 //! Figs. 11 to 13: backlash, and its effect on pin forces.
 
-use pinwheel_contact::Complex;
+use pinwheel_contact::{Complex, bisect};
 use pinwheel_gearbox::Geometry;
 use pinwheel_scene::{Scene, free_play};
 
@@ -24,15 +24,7 @@ pub fn turn_to_touch(scene: &Scene) -> Result<f64, StudyError> {
         gaps.fold(f64::INFINITY, f64::min)
     };
     // The gap falls steadily from d, and the closed form is its tangent: at three times that angle the pin is well inside.
-    let (mut low, mut high) = (0.0, 3.0 * free_play(gear));
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if gap(middle) > 0.0 {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
+    let [low, high] = bisect([0.0, 3.0 * free_play(gear)], |turn| gap(turn) > 0.0);
     Ok(0.5 * (low + high))
 }
 

@@ -9,10 +9,10 @@ use super::judged::{ROUNDING, SURE, Stage, percent};
 use super::model::{Change, Changes, Model, Work};
 use super::suspects::{self, Size, Suspect};
 
-/// A likely cause.
+/// Likely cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cause {
-    /// Its parts: one, or two where one alone explains too little.
+    /// Parts: one, or two where one alone explains too little.
     pub parts: Vec<Part>,
     /// Parts of every other cause that explains as much.
     pub others: Vec<Vec<Part>>,
@@ -22,12 +22,12 @@ pub struct Cause {
     pub distance: Option<[f64; 2]>,
 }
 
-/// One change of the model that is a cause.
+/// Change of the model that is a cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
     /// Stage in which it acts.
     pub stage: Stage,
-    /// One word: `inertia`, `load`, `friction`, `stiffness`, `damping`, `curvature`, `phase`, `step`, ...
+    /// Kind in one word: `inertia`, `load`, `friction`, `stiffness`, `damping`, `curvature`, `phase`, `step`, ...
     pub word: &'static str,
     /// The change with its size, in words.
     pub what: String,
@@ -96,7 +96,7 @@ fn either(all: impl Iterator<Item = String>, or: &str) -> String {
     said.join(or)
 }
 
-/// A cause with the changes of the model that are its parts.
+/// Cause with the changes of the model that are its parts.
 pub(super) type Found = (Cause, Vec<Change>);
 
 /// Changes of a cause, with their sizes.
@@ -245,7 +245,7 @@ pub(super) fn cause(
 }
 
 impl Suspect {
-    /// A size that changes the model linearly, and the least size.
+    /// Returns a size that changes the model linearly, and the least size.
     fn limits(&self) -> [f64; 2] {
         let small = match self.size {
             Size::Shift(_, small) => small,

@@ -16,7 +16,7 @@ use super::states;
 /// Radians of the contacts' vibration from one sample to the next.
 const SAMPLE_RAD: f64 = 1.0;
 
-/// A native run of a model, at whose states others are judged.
+/// Native run of a model, at whose states others are judged.
 pub struct Course<'a> {
     gearbox: &'a Gearbox,
     samples: Vec<Sample>,
@@ -111,7 +111,7 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
         pictures.push(over_time);
         judged
     } else {
-        Judged::untold(Stage::Equations, "hidden by an earlier stage")
+        Judged::unknown(Stage::Equations, "hidden by an earlier stage")
     });
     stages.sort_by_key(|judged| judged.stage);
     let of_forces = columns.pictures().into_iter();
@@ -133,5 +133,5 @@ fn most(over_time: &Picture, of: &str, bound: f64) -> Judged {
         .max_by(|a, b| a.0.total_cmp(b.0))
         .unwrap_or((&0.0, &0.0));
     let note = format!("of the {of}, most at t = {when:.3e} s");
-    Judged::told(over_time.stage, *most, bound, note)
+    Judged::measured(over_time.stage, *most, bound, note)
 }

@@ -19,7 +19,7 @@ pub(super) const SAMPLES: usize = 40;
 /// Order below that stated which is still right: contacts that open and close take some of it, and pins that stick and slip more.
 pub(super) const ORDER_MARGIN: [f64; 2] = [0.7, 1.2];
 
-/// A stage of a solver, in the order of judgement.
+/// Stage of a solver, in the order of judgement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
@@ -72,7 +72,7 @@ impl Stage {
 pub struct Judged {
     /// The stage.
     pub stage: Stage,
-    /// Its residual, as a share of the native quantity; `None`: it cannot be told.
+    /// Residual, as a share of the native quantity; `None`: unknown.
     pub residual: Option<f64>,
     /// Residual from which the stage is off.
     pub bound: f64,
@@ -81,8 +81,8 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// A stage with its residual, which is off above `bound`, and the place.
-    pub(super) fn told(stage: Stage, residual: f64, bound: f64, note: String) -> Self {
+    /// Creates a stage with its residual, which is off above `bound`, and the place.
+    pub(super) fn measured(stage: Stage, residual: f64, bound: f64, note: String) -> Self {
         let residual = Some(residual);
         Self {
             stage,
@@ -92,8 +92,8 @@ impl Judged {
         }
     }
 
-    /// A stage that cannot be told, and the reason.
-    pub(super) fn untold(stage: Stage, note: &str) -> Self {
+    /// Creates a stage that cannot be judged, with the reason.
+    pub(super) fn unknown(stage: Stage, note: &str) -> Self {
         let note = note.to_owned();
         Self {
             stage,
@@ -111,7 +111,7 @@ impl Judged {
     }
 }
 
-/// A share in words.
+/// Returns a share in words.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {

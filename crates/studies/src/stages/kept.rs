@@ -56,9 +56,9 @@ pub(crate) fn of_kept(
     let note = format!("states were not stored; needs {}", columns.join(", "));
     let stage = |stage| match &cause {
         Some(cause) if cause.stage() == Some(stage) => {
-            Judged::told(stage, off, kept.bound, "over the whole run".to_owned())
+            Judged::measured(stage, off, kept.bound, "over the whole run".to_owned())
         }
-        _ => Judged::untold(stage, &note),
+        _ => Judged::unknown(stage, &note),
     };
     Some(Located {
         run: kept.name.to_owned(),

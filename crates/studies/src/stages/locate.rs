@@ -41,7 +41,7 @@ impl Located {
         off.and_then(|stage| self.cause.as_ref().map_or(Some(stage), Cause::stage))
     }
 
-    /// One line for the first screen, which begins with `stage` where a stage is off.
+    /// Returns a line for the first screen, which begins with `stage` where a stage is off.
     pub fn sentence(&self) -> String {
         let stage = self.first().map_or("", |_| "stage ");
         format!("{stage}{}", self.words())
@@ -93,7 +93,7 @@ impl Located {
         let motion = self.stages.iter_mut().filter(|judged| {
             judged.is_off() && [Stage::Equations, Stage::Integration].contains(&judged.stage)
         });
-        motion.for_each(|judged| *judged = Judged::untold(judged.stage, note));
+        motion.for_each(|judged| *judged = Judged::unknown(judged.stage, note));
         self.seen()
     }
 
@@ -122,14 +122,14 @@ const WITH: f64 = 0.05;
 const CONFIRMED: [usize; 2] = [20, 60];
 const CONFIRMS: u64 = 300;
 
-/// A run to be judged.
+/// Run to be judged.
 #[derive(Clone, Copy)]
 pub struct Runs<'a> {
     /// Name of who ran.
     pub name: &'a str,
     /// The run with columns of its states.
     pub run: &'a TimeSeries,
-    /// A run on the same samples with a smaller step or tolerance, and how far its error should fall.
+    /// Run on the same samples with a smaller step or tolerance, and how far its error should fall.
     pub finer: Option<(&'a TimeSeries, f64)>,
     /// Evaluations of forces that judging it may take, without and with the search for a cause.
     pub evaluations: [u64; 2],
@@ -154,11 +154,11 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             located.pictures.push(picture);
             judged
         }
-        None => Judged::untold(Stage::Start, "needs a sample at t = 0"),
+        None => Judged::unknown(Stage::Start, "needs a sample at t = 0"),
     };
     if !missing.is_empty() {
         let note = format!("needs these columns: {}", missing.join(", "));
-        let blind = |stage| Judged::untold(stage, &note);
+        let blind = |stage| Judged::unknown(stage, &note);
         located.stages = Stage::ALL.map(blind).into();
         located.stages[0] = start;
         // Places alone say which pairs touch.
@@ -171,7 +171,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         if places.all(|y| y.is_finite()) {
             let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
             let (differ, first) = columns.search(false);
-            located.stages[1] = Judged::told(Stage::ContactSearch, differ, 0.0, first);
+            located.stages[1] = Judged::measured(Stage::ContactSearch, differ, 0.0, first);
             located.pictures.extend(columns.pictures());
         }
         return Some(located.seen());
@@ -211,7 +211,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         of.any(|judged| stages.contains(&judged.stage) && judged.is_off())
     };
     let motion = [Stage::Equations, Stage::Integration];
-    let untold = |note: &str| motion.map(|stage| Judged::untold(stage, note));
+    let untold = |note: &str| motion.map(|stage| Judged::unknown(stage, note));
     let mut found = None;
     let hides = [Stage::ContactSearch, Stage::Law, Stage::Assembly];
     let is_loaded = load_profile::largest(&gearbox.scene.drive) > 0.0;
@@ -329,11 +329,11 @@ pub(super) fn by_columns(
     let column = |stage, of: Range<usize>| {
         let (residual, note) = columns.worst(of.clone());
         let falls = rough.map_or(0.0, |rough| rough.worst(of).0 - residual);
-        Judged::told(stage, residual, ROUNDING + falls.abs(), note)
+        Judged::measured(stage, residual, ROUNDING + falls.abs(), note)
     };
     let (differ, first) = columns.search(true);
     [
-        Judged::told(Stage::ContactSearch, differ, 0.0, first),
+        Judged::measured(Stage::ContactSearch, differ, 0.0, first),
         column(Stage::Law, columns.forces()),
         column(Stage::Assembly, forces::OUTPUT..forces::OUTPUT + 1),
         column(Stage::Driver, forces::DRIVER..forces::DRIVER + 1),
@@ -364,7 +364,7 @@ pub(super) fn start(
     };
     let both = (0..count).map(|k| off[k].max(off[count + k])).collect();
     (
-        Judged::told(Stage::Start, off[most], ROUNDING, note),
+        Judged::measured(Stage::Start, off[most], ROUNDING, note),
         Picture::over_columns(Stage::Start, &[both], coordinates.to_vec()),
     )
 }

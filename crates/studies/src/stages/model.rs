@@ -14,7 +14,7 @@ use pinwheel_mbs::{
 use pinwheel_scene::load_profile::{self, LoadSegment};
 use pinwheel_scene::{Drive, Layout, Scene, Start};
 
-/// A gear, and how many evaluations of its equations judging a run of it took and may take.
+/// Gear, with the numbers of evaluations of its equations that the judgement of a run has taken and may take.
 pub(super) struct Work<'a> {
     pub(super) gearbox: &'a Gearbox,
     /// Number of evaluations so far, and the most.
@@ -53,7 +53,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// A change of the model, of size p.
+/// Change of the model, of size p.
 pub(super) enum Change {
     /// Keys of the scene.
     Scene(Box<dyn Fn(&mut Scene, f64)>),

@@ -18,9 +18,9 @@ const GROWS: f64 = 0.8;
 
 /// State of a run at a sample.
 pub(super) struct Sample {
-    /// Its number.
+    /// Number of the row.
     pub(super) number: usize,
-    /// Its time, s.
+    /// Time of the row, s.
     pub(super) time_s: f64,
     /// Coordinates of the reduced form.
     pub(super) y: Vec<f64>,
@@ -58,7 +58,7 @@ pub(super) fn numbered(times: &[f64], states: Vec<Vec<f64>>) -> Vec<Sample> {
         .collect()
 }
 
-/// An interval between samples, over which changes weigh by what the load would do in it.
+/// Interval between samples, over which changes weigh by the effect of the load in it.
 #[derive(Clone)]
 struct Interval {
     from_s: f64,
@@ -231,7 +231,8 @@ impl Motion {
         let size = self.size();
         let Some((rough, falls)) = rough else {
             let note = "needs a run with a smaller step: state [refine]";
-            return [Stage::Equations, Stage::Integration].map(|stage| Judged::untold(stage, note));
+            return [Stage::Equations, Stage::Integration]
+                .map(|stage| Judged::unknown(stage, note));
         };
         let fell = rough.share() / self.share();
         // An error of the step alone falls to half at least.
@@ -241,24 +242,24 @@ impl Motion {
             true => "pins keep their rates, as where friction is not solved, ",
             false => "",
         };
-        let equations = Judged::told(Stage::Equations, size, bound, format!("{kept}{place}"));
+        let equations = Judged::measured(Stage::Equations, size, bound, format!("{kept}{place}"));
         if equations.is_off() && fell < GROWS {
             let note = format!(
                 "grows by {:.1} as the step shrinks, as where steps are solved to a loose tolerance, {place}",
                 fell.recip()
             );
             return [
-                Judged::untold(Stage::Equations, "hidden by the error of the steps"),
-                Judged::told(Stage::Integration, size, FLOW, note),
+                Judged::unknown(Stage::Equations, "hidden by the error of the steps"),
+                Judged::measured(Stage::Integration, size, FLOW, note),
             ];
         }
         let bound = (size * fell / falls).max(SMALL);
         let note = format!("falls by {fell:.1} where it should by {falls:.1}, {place}");
-        let integration = Judged::told(Stage::Integration, size, bound, note);
+        let integration = Judged::measured(Stage::Integration, size, bound, note);
         match equations.is_off() {
             true => [
                 equations,
-                Judged::untold(Stage::Integration, "hidden by an earlier stage"),
+                Judged::unknown(Stage::Integration, "hidden by an earlier stage"),
             ],
             false => [equations, integration],
         }

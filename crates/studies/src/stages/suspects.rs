@@ -22,11 +22,11 @@ pub(super) enum Size {
     Switch,
 }
 
-/// An added angle, and a length.
+/// Added angle, and a length.
 const ANGLE: Size = Size::Shift(" rad", 1e-6);
 const LENGTH: Size = Size::Shift(" m", 1e-9);
 
-/// A fault that somebody could have made.
+/// Fault that somebody could have made.
 pub(super) struct Suspect {
     pub(super) stage: Stage,
     /// The cause in one word.
