@@ -9,7 +9,7 @@ use pinwheel::scene::Scene;
 use pinwheel::studies::folder::{Folder, Request};
 use pinwheel::studies::output::{file_name, write_text};
 use pinwheel::studies::sweep::{
-    self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, Row, RunRecord,
+    self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, Row, Rows, RunRecord,
 };
 use pinwheel::time_series::table::{Table, Values};
 use pyo3::prelude::*;
@@ -34,9 +34,9 @@ pub(crate) struct Sweep {
     journal: Mutex<Option<Journal>>,
     /// Index of the first run that no worker was given.
     next: AtomicUsize,
-    rows: Mutex<Vec<Option<Row>>>,
-    /// All rows, with their table.
-    results: OnceLock<(Vec<Row>, Table)>,
+    rows: Mutex<Rows>,
+    /// Complete rows, with their table.
+    results: OnceLock<(Rows, Table)>,
 }
 
 /// Returns the error of a call after the results were written.
@@ -84,7 +84,7 @@ impl Sweep {
         let out = out.unwrap_or_else(|| Path::new("out").join(name));
         drop(Folder::prepare(&out, request.clone())?);
         let journal = Journal::begin(&out, Begin::of(resume, force), COMMAND)?;
-        let rows = Mutex::new(vec![None; plan.len()]);
+        let rows = Mutex::new(Rows::new(plan.len()));
         Ok(Self {
             plan,
             desk,
@@ -123,7 +123,7 @@ impl Sweep {
             let journal = journal.as_ref().ok_or_else(over)?;
             Ok::<_, Raised>(sweeps::execute(&self.plan, journal, jobs, control)?)
         })?;
-        *lock(&self.rows) = rows.into_iter().map(Some).collect();
+        *lock(&self.rows) = rows;
         Ok(())
     }
 
@@ -138,7 +138,7 @@ impl Sweep {
             let planned = self.plan.run(next)?;
             let (scene, identity) = sweeps::wanted_of(&planned);
             match sweeps::find(&self.plan, &planned, journal, &identity) {
-                Some(record) => lock(&self.rows)[next] = Some(journal.row(record)),
+                Some(record) => lock(&self.rows).put(next, record),
                 None => {
                     let engine = planned.engine.name().to_owned();
                     tasks.push((planned.number, engine, scene, planned.window_s));
@@ -176,14 +176,14 @@ impl Sweep {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
         journal.keep(&record)?;
-        lock(&self.rows)[place] = Some(journal.row(record));
+        lock(&self.rows).put(place, record);
         Ok(())
     }
 
     /// Writes the output folder, as the program does, and removes the journal.
     fn finish(&self) -> Raises<()> {
-        let rows: Option<Vec<Row>> = std::mem::take(&mut *lock(&self.rows)).into_iter().collect();
-        let rows = rows.ok_or_else(undone)?;
+        let done = std::mem::take(&mut *lock(&self.rows));
+        let rows = done.all().ok_or_else(undone)?;
         let mut journal = lock(&self.journal);
         let held = journal.as_ref().ok_or_else(over)?;
         let target = Folder::prepare(&self.out, self.request.clone())?;
@@ -192,7 +192,8 @@ impl Sweep {
         let page = pages::sweep::page(&self.plan, &rows, &table, &made);
         write_text(&target.path().join("index.html"), &page)?;
         target.publish()?;
-        self.results.get_or_init(|| (rows, table));
+        drop(rows);
+        self.results.get_or_init(|| (done, table));
         journal
             .take()
             .map_or(Ok(()), |journal| Ok(journal.remove()?))
@@ -226,7 +227,8 @@ impl Sweep {
 
     /// Returns the number of unfinished runs, and engine and reason of the first.
     fn broken(&self) -> Raises<(usize, Option<(String, String)>)> {
-        let broken = sweeps::broken(&self.results()?.0);
+        let (rows, _) = self.results()?;
+        let broken = sweeps::broken(&rows);
         let first = broken.clone().next();
         let first = first.map(|row| (row.engine()[0].to_owned(), row.reason()));
         Ok((broken.count(), first))
@@ -234,7 +236,7 @@ impl Sweep {
 
     /// Returns the results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
-        let found = sweeps::tolerances(&self.plan, &self.results()?.1);
+        let found = sweeps::tolerances(&self.plan, self.results()?.1);
         Ok(serde_json::to_string(&found)?)
     }
 
@@ -243,7 +245,7 @@ impl Sweep {
         let files = [("results", "results.csv"), ("report", "index.html")]
             .map(|(word, name)| (word, self.out.join(name).display().to_string()));
         let (rows, table) = self.results()?;
-        Ok(pages::sweep::text(&self.plan, rows, table, &files))
+        Ok(pages::sweep::text(&self.plan, &rows, table, &files))
     }
 
     /// Returns the CPU time of all runs, s.
@@ -254,8 +256,9 @@ impl Sweep {
 
 impl Sweep {
     /// Returns all rows with their table.
-    fn results(&self) -> Raises<&(Vec<Row>, Table)> {
-        self.results.get().ok_or_else(undone)
+    fn results(&self) -> Raises<(Vec<Row<'_>>, &Table)> {
+        let (rows, table) = self.results.get().ok_or_else(undone)?;
+        Ok((rows.all().ok_or_else(undone)?, table))
     }
 }
 

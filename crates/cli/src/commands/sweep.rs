@@ -34,6 +34,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
         }
         rows => rows?,
     };
+    let rows = rows.all().unwrap_or_default();
     let folder = prepare()?;
     let table = sweep::results(&plan, &rows);
     let made = folder.write(|dir, made| sweep::write(dir, &plan, &rows, &table, &journal, made))?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use pinwheel_engines::{Ending, Run};
@@ -14,7 +15,7 @@ use crate::provenance::SOURCES;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, identity};
-use crate::sweep::row::Row;
+use crate::sweep::row::Rows;
 use crate::sweep::{Plan, PlannedRun};
 
 /// Largest number of progress reports of a run.
@@ -32,7 +33,7 @@ struct Shared<'a> {
     simulated_us: AtomicU64,
 }
 
-/// Runs everything that is missing in the journal, on `jobs` threads; returns the results in the plan's order.
+/// Runs everything that is missing in the journal, on `jobs` threads; returns their rows.
 /// # Errors
 /// [`StudyError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot be written.
 pub fn execute(
@@ -40,7 +41,7 @@ pub fn execute(
     journal: &Journal,
     jobs: usize,
     control: &Control<'_>,
-) -> Result<Vec<Row>, StudyError> {
+) -> Result<Rows, StudyError> {
     let durations = (0..plan.len()).map(|run| plan.duration_s(run));
     let shared = Shared {
         plan,
@@ -51,18 +52,20 @@ pub fn execute(
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
+    let rows = Mutex::new(Rows::new(plan.len()));
     let run = |last: &mut Option<Gearbox>, k: usize| {
         let record = shared.one(last, k)?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
         shared.report();
-        Ok(journal.row(record))
+        pool::lock(&rows).put(k, record);
+        Ok(())
     };
-    let (rows, fault) = pool::map(jobs, plan.len(), || None, run);
-    let rows: Vec<Row> = rows.into_iter().flatten().collect();
+    let (_, fault) = pool::map(jobs, plan.len(), || None, run);
+    let rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
     match fault {
         None => Ok(rows),
         Some(StudyError::Cancelled) => Err(StudyError::Stopped {
-            finished: rows.len(),
+            finished: rows.done(),
             runs: plan.len(),
         }),
         Some(fault) => Err(fault),

@@ -4,8 +4,8 @@ use crate::sweep::{Axis, Plan, Row};
 
 /// Returns the axes, by their keys, without an effect: all runs finished, and runs that differ in this axis only have equal
 /// figures, steps and evaluations. Random samples have none, because all their keys change at once.
-pub fn idle(plan: &Plan, rows: &[Row]) -> Vec<String> {
-    let finished = rows.iter().all(|row| row.ending.is_finished());
+pub fn idle(plan: &Plan, rows: &[Row<'_>]) -> Vec<String> {
+    let finished = rows.iter().all(|row| row.is_finished());
     if plan.sweep.sample.is_some() || !finished || rows.len() != plan.len() {
         return Vec::new();
     }
@@ -16,7 +16,7 @@ pub fn idle(plan: &Plan, rows: &[Row]) -> Vec<String> {
         let later: usize = axes[place + 1..].iter().map(Axis::len).product();
         let step = later * plan.sweep.engines.len();
         let first = |run: usize| &rows[run - run / step % axis.len() * step];
-        differs && (0..rows.len()).all(|run| first(run).result == rows[run].result)
+        differs && (0..rows.len()).all(|run| first(run).result() == rows[run].result())
     });
     let names = |(key, _): &(String, _)| key.clone();
     idle.map(|(_, axis)| {

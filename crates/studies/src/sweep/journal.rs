@@ -16,7 +16,7 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 use std::{fs, io};
 
 use pinwheel_files::{Lock, fnv};
@@ -30,7 +30,7 @@ use crate::output::OutputError;
 use crate::pool;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
-use crate::sweep::row::{Kind, Row};
+use crate::sweep::row::Row;
 use crate::sweep::written::Written;
 
 /// Prefix of files of runs.
@@ -70,8 +70,6 @@ pub struct Journal {
     known: Mutex<HashSet<u64>>,
     /// Files of the records of an earlier output, by the hash of their identity.
     earlier: HashMap<u64, PathBuf>,
-    /// Kinds of the rows made so far.
-    kinds: Mutex<Vec<Arc<Kind>>>,
 }
 
 impl Journal {
@@ -94,7 +92,6 @@ impl Journal {
         Ok(Self {
             known: Mutex::new(known.collect()),
             earlier: earlier.map_or_else(|| Ok(HashMap::new()), records)?,
-            kinds: Mutex::default(),
             folder: folder.to_owned(),
             owner,
         })
@@ -167,11 +164,6 @@ impl Journal {
         }
     }
 
-    /// Returns a record as a row of the results.
-    pub fn row(&self, record: RunRecord) -> Row {
-        Row::of(record, &mut pool::lock(&self.kinds))
-    }
-
     /// Returns the record of an identity, if its time series are stored in the requested form and unchanged.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
         let path = self.place(hash_of(identity));
@@ -179,8 +171,8 @@ impl Journal {
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let written = &record.time_series;
         let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
-        let there = !record.outcome.ending.is_finished() || file.is_none_or(whole);
-        (there && !record.outcome.ending.may_pass()).then_some(record)
+        let there = !record.ending.is_finished() || file.is_none_or(whole);
+        (there && !record.ending.may_pass()).then_some(record)
     }
 
     /// Stores the record of a run whose time series, if requested, are already stored; that of a failed run for [`copy`](Self::copy)
@@ -194,7 +186,7 @@ impl Journal {
         // A new file, because the old one may be linked into an output.
         let _ = fs::remove_file(&path);
         fs::write(&path, json(record)).map_err(at(&path))?;
-        if !record.outcome.ending.may_pass() {
+        if !record.ending.may_pass() {
             pool::lock(&self.known).insert(identity);
         }
         Ok(())
@@ -206,13 +198,13 @@ impl Journal {
     /// A file cannot be read or written.
     pub fn copy(
         &self,
-        row: &Row,
+        row: Row<'_>,
         time_series: KeepTimeSeries,
         number: usize,
         folder: &Path,
     ) -> Result<(), StudyError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
-        let Some(identity) = row.identity else {
+        let Some(identity) = row.identity() else {
             return fs::write(&target, json(&row.record())).map_err(at(&target));
         };
         let path = self.place(identity);
@@ -234,7 +226,7 @@ fn records(folder: &Path) -> Result<HashMap<u64, PathBuf>, StudyError> {
         let name = name_of(&path);
         if name.starts_with(PREFIX) && name.ends_with(".json") {
             let bytes = fs::read(&path).map_err(at(&path))?;
-            let record = record(&bytes).filter(|r| !r.outcome.ending.may_pass());
+            let record = record(&bytes).filter(|r| !r.ending.may_pass());
             if let Some(record) = record {
                 known.insert(hash_of(&record.identity()), path);
             }

@@ -38,7 +38,7 @@ struct Payload<'a> {
 pub fn write(
     dir: &Path,
     plan: &Plan,
-    rows: &[Row],
+    rows: &[Row<'_>],
     table: &Table,
     journal: &Journal,
     made: &Provenance,
@@ -55,11 +55,11 @@ pub fn write(
     }
     write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
     let runs = output::folder(dir, "runs")?;
-    for (run, row) in rows.iter().enumerate() {
+    for (run, row) in rows.iter().copied().enumerate() {
         journal.copy(row, plan.sweep.time_series, run + 1, &runs)?;
     }
     let sweep = &plan.sweep;
-    let finished = rows.iter().filter(|row| row.ending.is_finished());
+    let finished = rows.iter().filter(|row| row.is_finished());
     let found = Payload {
         name: &sweep.name,
         description: &sweep.description,

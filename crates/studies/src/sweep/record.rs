@@ -47,19 +47,19 @@ pub struct RunRecord {
     pub undefined: Vec<String>,
     /// Remarks of the engine.
     pub notes: Vec<String>,
-    /// Ending, cost and figures without a quantity.
+    /// Ending of the run.
+    #[serde(flatten)]
+    pub ending: Ending,
+    /// Cost, and figures without a quantity.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
 
-/// Ending and cost of a run, and its figures without a quantity.
+/// Cost of a run, and its figures without a quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// Window of the figures, s.
     pub window_s: [f64; 2],
-    /// Ending of the run.
-    #[serde(flatten)]
-    pub ending: Ending,
     /// Power out over power in, at most 1; `None` if meaningless, e.g. if the contact law creates power.
     pub efficiency: Option<f64>,
     /// Power out over the sum of power out and contact losses, for any law, with or without friction; `None` without an account
@@ -88,7 +88,6 @@ impl RunRecord {
         let error = run.uncertainty.as_ref().and_then(|u| u.error);
         let outcome = Outcome {
             window_s: planned.window_s,
-            ending: run.ending.clone(),
             efficiency: None,
             efficiency_accounted: None,
             energy_remainder_share: None,
@@ -103,7 +102,7 @@ impl RunRecord {
             engine_build: engine.build(),
             scene: scene.to_owned(),
             notes: stats.notes.clone(),
-            ..Self::bare(engine.name(), outcome)
+            ..Self::bare(engine.name(), run.ending.clone(), outcome)
         };
         if run.ending.is_finished() {
             record.add_figures(planned, run);
@@ -112,7 +111,7 @@ impl RunRecord {
     }
 
     /// Returns the record of an outcome without figures, by this program.
-    pub(super) fn bare(engine: &str, outcome: Outcome) -> Self {
+    pub(super) fn bare(engine: &str, ending: Ending, outcome: Outcome) -> Self {
         Self {
             engine: engine.to_owned(),
             engine_version: String::new(),
@@ -126,6 +125,7 @@ impl RunRecord {
             balances: BTreeMap::new(),
             undefined: Vec::new(),
             notes: Vec::new(),
+            ending,
             outcome,
         }
     }

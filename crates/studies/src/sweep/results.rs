@@ -13,7 +13,7 @@ use crate::sweep::{Limit, Plan, statics};
 /// Column that is 1 if a run is within the specification, else 0.
 const WITHIN: &str = "within_specification";
 
-type FigureOfRun = fn(&Row) -> Option<f64>;
+type FigureOfRun = fn(Row<'_>) -> Option<f64>;
 
 /// Figures of a run without a channel.
 const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
@@ -25,15 +25,15 @@ const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
     ("energy_remainder_share", |r| r.energy_remainder_share),
 ];
 
-fn diverged_at_s(row: &Row) -> Option<f64> {
-    match row.ending {
+fn diverged_at_s(row: Row<'_>) -> Option<f64> {
+    match row.ending() {
         Ending::Diverged { time_s, .. } => Some(time_s),
         _ => None,
     }
 }
 
 /// Returns the results of all runs, or of the first ones, in the plan's order, which does not depend on the number of threads.
-pub fn results(plan: &Plan, rows: &[Row]) -> Table {
+pub fn results(plan: &Plan, rows: &[Row<'_>]) -> Table {
     // For people columns have their names in files; least and largest values are left out, as the peak covers them.
     let mut table = Table::of(
         "Every run: what was varied, how it ended, and its figures over the window",
@@ -46,10 +46,10 @@ pub fn results(plan: &Plan, rows: &[Row]) -> Table {
         table = table.column(key, key, varied(&values.collect::<Vec<_>>()));
     }
     table = table
-        .text("status", "status", |(_, row)| row.ending.word())
-        .marked(|(_, row)| Mark::bad(!row.ending.is_finished()));
+        .text("status", "status", |(_, row)| row.ending().word())
+        .marked(|(_, row)| Mark::bad(!row.is_finished()));
     for (name, of) in FIGURES_OF_RUNS {
-        table = table.number(name, name, |(_, row)| of(row));
+        table = table.number(name, name, |(_, row)| of(**row));
     }
     table = table
         .whole("steps", "steps", |(_, row)| Some(row.steps))
@@ -84,13 +84,13 @@ pub fn results(plan: &Plan, rows: &[Row]) -> Table {
 }
 
 /// Returns the runs that did not finish, without those whose sampled values make no gear.
-pub fn broken(rows: &[Row]) -> impl Iterator<Item = &Row> + Clone {
-    let broken = |row: &&Row| row.is_gear() && !row.ending.is_finished();
-    rows.iter().filter(broken)
+pub fn broken<'a>(rows: &[Row<'a>]) -> impl Iterator<Item = Row<'a>> + Clone {
+    let broken = |row: &Row<'_>| row.is_gear() && !row.is_finished();
+    rows.iter().copied().filter(broken)
 }
 
 /// Returns the cost of each run. It is no part of the results, which repeat to the bit.
-pub fn costs(rows: &[Row]) -> Table {
+pub fn costs(rows: &[Row<'_>]) -> Table {
     Table::of("What each run cost", rows.iter().enumerate())
         .whole("run", "run", |(run, _)| Some(run + 1))
         .text("engine", "engine", |(_, row)| row.engine()[0])
@@ -106,9 +106,9 @@ pub(super) fn keeps(table: &Table, limits: &[Limit], row: usize) -> bool {
 }
 
 /// Returns the quantities that the sweep measures, in order of their first appearance.
-fn quantities<'a>(plan: &Plan, rows: &'a [Row]) -> Vec<&'a str> {
+fn quantities<'a>(plan: &Plan, rows: &[Row<'a>]) -> Vec<&'a str> {
     let mut list: Vec<&str> = Vec::new();
-    for name in rows.iter().flat_map(Row::quantities) {
+    for name in rows.iter().flat_map(|row| row.quantities()) {
         let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, name));
         if wanted && !list.contains(&name.as_str()) {
             list.push(name);

@@ -23,7 +23,7 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-pub fn page(plan: &Plan, rows: &[Row], table: &Table, made: &Provenance) -> String {
+pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> String {
     let unfinished = sweep::broken(rows).count();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
@@ -184,7 +184,7 @@ fn simulated_s(plan: &Plan) -> f64 {
 }
 
 /// Returns heading and unit of a column, if it is a figure.
-fn heading(name: &str, rows: &[Row]) -> Option<(String, String)> {
+fn heading(name: &str, rows: &[Row<'_>]) -> Option<(String, String)> {
     let share = match name {
         "efficiency" => Some("Efficiency"),
         "efficiency_accounted" => Some("Efficiency by what is lost"),
@@ -204,7 +204,7 @@ fn heading(name: &str, rows: &[Row]) -> Option<(String, String)> {
 }
 
 /// Returns a column of differing numbers as a figure.
-fn figure(column: &Column, rows: &[Row]) -> Option<GridFigure> {
+fn figure(column: &Column, rows: &[Row<'_>]) -> Option<GridFigure> {
     let Values::Number(values) = &column.values else {
         return None;
     };
@@ -215,7 +215,7 @@ fn figure(column: &Column, rows: &[Row]) -> Option<GridFigure> {
     let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
     let scaled = |value: &Option<f64>| value.map(|v| factor * v);
     let off = rows.iter().zip(values);
-    let off = off.map(|(row, value)| Some(factor * uncertainty(row, &column.name, (*value)?)?));
+    let off = off.map(|(row, value)| Some(factor * uncertainty(*row, &column.name, (*value)?)?));
     Some(GridFigure {
         label: named(&label, &unit),
         values: values.iter().map(scaled).collect(),
@@ -230,7 +230,7 @@ fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
 }
 
 /// Returns a grid of the varied keys, and of several engines, with the first `most` figures that differ between runs.
-fn grid(plan: &Plan, rows: &[Row], table: &Table, most: usize) -> Grid {
+fn grid(plan: &Plan, rows: &[Row<'_>], table: &Table, most: usize) -> Grid {
     let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
     let engines = &plan.sweep.engines;
     if engines.len() > 1 {
@@ -297,7 +297,7 @@ fn axis(axis: &Axis) -> GridAxis {
 
 /// Returns the uncertainty of a figure: the engine's own, that of sampling, and for means the effect of the window's
 /// position.
-fn uncertainty(row: &Row, column: &str, value: f64) -> Option<f64> {
+fn uncertainty(row: Row<'_>, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
     let [forces, driver] = row.uncertainty.unwrap_or([f64::NAN; 2]);
     let share = if torque { driver } else { forces };
@@ -311,7 +311,7 @@ fn uncertainty(row: &Row, column: &str, value: f64) -> Option<f64> {
 }
 
 /// Returns the table of runs.
-fn runs(plan: &Plan, rows: &[Row]) -> Vec<Block> {
+fn runs(plan: &Plan, rows: &[Row<'_>]) -> Vec<Block> {
     let all = rows.len();
     let first = &rows[..all.min(MOST_ROWS)];
     let reasons = first.iter().enumerate().filter_map(|(run, row)| {

@@ -39,10 +39,10 @@ pub fn list(plan: &Plan) -> Result<String, StudyError> {
 
 /// Returns endings of the runs and paths of the results; `table`: [its results](pinwheel_studies::sweep::results), `files`: pairs of
 /// label and path.
-pub fn text(plan: &Plan, rows: &[Row], table: &Table, files: &[(&str, String)]) -> String {
+pub fn text(plan: &Plan, rows: &[Row<'_>], table: &Table, files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
         let all = rows.iter();
-        all.filter(|row| row.ending.word() == wanted).count()
+        all.filter(|row| row.ending().word() == wanted).count()
     };
     let mut runs = vec![format!("{} finished", count("finished"))];
     for word in &Ending::WORDS[1..] {
@@ -62,7 +62,7 @@ pub fn text(plan: &Plan, rows: &[Row], table: &Table, files: &[(&str, String)]) 
     ];
     let mut refused = rows.iter().filter(|row| !row.is_gear());
     let none = refused.clone().count();
-    if let Some(Ending::Unsupported { reason }) = refused.next().map(|row| &row.ending) {
+    if let Some(Ending::Unsupported { reason }) = refused.next().map(|row| row.ending()) {
         let all = rows.len();
         let words = format!("{none} of {all} runs, lost yield; the first: {reason}");
         said.push(row("no gear", words));
@@ -100,7 +100,7 @@ pub fn text(plan: &Plan, rows: &[Row], table: &Table, files: &[(&str, String)]) 
 }
 
 /// Returns a table of the varied keys and the largest forces and mean torque of each run, or of the first ones.
-fn result(plan: &Plan, rows: &[Row]) -> String {
+fn result(plan: &Plan, rows: &[Row<'_>]) -> String {
     let first = rows.iter().enumerate().take(MOST_RUNS);
     let mut table = Table::of("", first).text("", "engine", |(_, row)| row.engine()[0]);
     for (place, key) in plan.keys().enumerate() {
@@ -109,7 +109,7 @@ fn result(plan: &Plan, rows: &[Row]) -> String {
         table = table.text("", label, |(run, _)| plan.values(*run)[place].to_string());
     }
     for (word, quantity, label) in SHOWN {
-        let value = |row: &Row| {
+        let value = |row: Row<'_>| {
             let statistics = row.figure(quantity)?.statistics;
             Some(match word {
                 "mean" => statistics.mean,
@@ -118,9 +118,9 @@ fn result(plan: &Plan, rows: &[Row]) -> String {
         };
         let column = format!("{word}_{quantity}");
         table = table
-            .number("", label, |(_, row)| value(row))
+            .number("", label, |(_, row)| value(**row))
             .shown(Shown::Digits(5))
-            .uncertain(|(_, row)| uncertainty(row, &column, value(row)?));
+            .uncertain(|(_, row)| uncertainty(**row, &column, value(**row)?));
     }
     let more = match rows.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
