@@ -46,23 +46,25 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
     from distributed.comm import CommClosedError
     from distributed.scheduler import KilledWorker
 
-    total, pending = len(core), core.pending()
-    pending.reverse()
+    left = total = len(core)
     time_series = core.time_series()
     name = f"pinwheel-{uuid.uuid4().hex[:8]}"
     flying: dict[Future, list[int]] = {}
-    size, count, done = batch or FIRST, 0, total - len(pending)
+    size, count, done = batch or FIRST, 0, 0
     try:
-        while pending or flying:
+        while left or flying:
             threads = max(1, sum(client.nthreads().values()))
-            while pending and len(flying) < AHEAD * threads:
+            while left and len(flying) < AHEAD * threads:
                 # At the end all threads have something to do.
-                share = max(1, len(pending) // (2 * threads)) if batch is None else size
-                places = [pending.pop() for _ in range(min(size, share, len(pending)))]
+                share = max(1, left // (2 * threads)) if batch is None else size
+                tasks, left = core.take(min(size, share))
+                done = total - left - len(tasks) - sum(map(len, flying.values()))
+                if not tasks:
+                    break
                 # One piece of bytes: Dask would look into lists for tasks of its own.
-                data = cloudpickle.dumps(([core.task(k) for k in places], list(engines), time_series))
+                data = cloudpickle.dumps((tasks, list(engines), time_series))
                 future = client.submit(run_batch, data, key=f"{name}-{count}", pure=False, retries=0)
-                flying[future] = places
+                flying[future] = [number for number, *_ in tasks]
                 count += 1
             try:
                 with client.as_current():
@@ -72,13 +74,13 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
             if client.status not in ("running", "connecting"):
                 raise CommClosedError("the client is closed")
             for future in ready:
-                places = flying.pop(future)
+                numbers = flying.pop(future)
                 wall_s, records = future.result(timeout=30)
-                for k, record in zip(places, records, strict=True):
-                    core.accept(k, record)
-                done += len(places)
+                for number, record in zip(numbers, records, strict=True):
+                    core.accept(number, record)
+                done += len(numbers)
                 if batch is None and wall_s > 0.0:
-                    size = max(1, min(MOST, 2 * size, round(BATCH_S * len(places) / wall_s)))
+                    size = max(1, min(MOST, 2 * size, round(BATCH_S * len(numbers) / wall_s)))
             if told is not None:
                 told(done, total, core.name(), 0.0, 0.0)
     except KilledWorker as error:

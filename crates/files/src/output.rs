@@ -92,10 +92,12 @@ pub fn escape(text: &str) -> String {
 /// # Errors
 /// The file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), OutputError> {
-    let mut text =
-        serde_json::to_string_pretty(value).map_err(|error| OutputError::new(path, &error))?;
-    text.push('\n');
-    write_text(path, &text)
+    let failed = |error: &dyn Display| OutputError::new(path, error);
+    let file = File::create(path).map_err(|error| failed(&error))?;
+    let mut sink = BufWriter::new(file);
+    serde_json::to_writer_pretty(&mut sink, value).map_err(|error| failed(&error))?;
+    let ended = sink.write_all(b"\n").and_then(|()| sink.flush());
+    ended.map_err(|error| failed(&error))
 }
 
 /// Writes a text file.

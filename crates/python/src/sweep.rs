@@ -1,16 +1,17 @@
 //! Sweeps: planned and stored here, run by threads of this process or, in batches, by other processes.
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 use pinwheel::pages;
+use pinwheel::scene::Scene;
 use pinwheel::studies::folder::{Folder, Request};
 use pinwheel::studies::output::{file_name, write_text};
 use pinwheel::studies::sweep::{
-    self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, RunRecord,
+    self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, Row, Rows, RunRecord,
 };
-use pinwheel::time_series::table::Values;
+use pinwheel::time_series::table::{Table, Values};
 use pyo3::prelude::*;
 
 use crate::errors::{Raised, Raises, input, plain};
@@ -31,12 +32,21 @@ pub(crate) struct Sweep {
     request: Request,
     /// `None` after the results are written.
     journal: Mutex<Option<Journal>>,
-    records: Mutex<Vec<Option<RunRecord>>>,
+    /// Index of the first run that no worker was given.
+    next: AtomicUsize,
+    rows: Mutex<Rows>,
+    /// Complete rows, with their table.
+    results: OnceLock<(Rows, Table)>,
 }
 
 /// Returns the error of a call after the results were written.
 fn over() -> Raised {
     plain("the results of this sweep are written")
+}
+
+/// Returns the error of a call before all runs are done.
+fn undone() -> Raised {
+    plain("this sweep has runs that are not done")
 }
 
 #[pymethods]
@@ -74,19 +84,21 @@ impl Sweep {
         let out = out.unwrap_or_else(|| Path::new("out").join(name));
         drop(Folder::prepare(&out, request.clone())?);
         let journal = Journal::begin(&out, Begin::of(resume, force), COMMAND)?;
-        let records = Mutex::new(vec![None; plan.runs.len()]);
+        let rows = Mutex::new(Rows::new(plan.len()));
         Ok(Self {
             plan,
             desk,
             out,
             request,
             journal: Mutex::new(Some(journal)),
-            records,
+            next: AtomicUsize::new(0),
+            rows,
+            results: OnceLock::new(),
         })
     }
 
     fn __len__(&self) -> usize {
-        self.plan.runs.len()
+        self.plan.len()
     }
 
     /// Name of the sweep.
@@ -106,40 +118,36 @@ impl Sweep {
 
     /// Runs all that the journal lacks on `jobs` threads.
     fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> Raises<()> {
-        let records = supervised(py, &self.desk, progress.as_ref(), |control| {
+        let rows = supervised(py, &self.desk, progress.as_ref(), |control| {
             let journal = lock(&self.journal);
             let journal = journal.as_ref().ok_or_else(over)?;
             Ok::<_, Raised>(sweeps::execute(&self.plan, journal, jobs, control)?)
         })?;
-        *lock(&self.records) = records.into_iter().map(Some).collect();
+        *lock(&self.rows) = rows;
         Ok(())
     }
 
-    /// Returns the numbers of the runs that the journal lacks.
-    fn pending(&self) -> Raises<Vec<usize>> {
+    /// Returns the next runs for workers, at most `count` (number, engine, complete scene, window), and how many are left after
+    /// them. Runs that the journal has need none.
+    fn take(&self, count: usize) -> Raises<(Vec<Task>, usize)> {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
-        let mut records = lock(&self.records);
-        let mut pending = Vec::new();
-        for (k, planned) in self.plan.runs.iter().enumerate() {
-            records[k] = sweeps::find(&self.plan, planned, journal)?;
-            if records[k].is_none() {
-                pending.push(k);
+        let mut tasks = Vec::new();
+        let mut next = self.next.load(Ordering::Relaxed);
+        while next < self.plan.len() && tasks.len() < count {
+            let planned = self.plan.run(next)?;
+            let (scene, identity) = sweeps::wanted_of(&planned);
+            match sweeps::find(&self.plan, &planned, journal, &identity) {
+                Some(record) => lock(&self.rows).put(next, record),
+                None => {
+                    let engine = planned.engine.name().to_owned();
+                    tasks.push((planned.number, engine, scene, planned.window_s));
+                }
             }
+            next += 1;
         }
-        Ok(pending)
-    }
-
-    /// Returns run `k` for a worker: number, engine, complete scene, window.
-    fn task(&self, k: usize) -> Raises<Task> {
-        let planned = self.plan.runs.get(k).ok_or_else(over)?;
-        let scene = planned.scene.to_toml();
-        Ok((
-            planned.number,
-            planned.engine.clone(),
-            scene,
-            planned.window_s,
-        ))
+        self.next.store(next, Ordering::Relaxed);
+        Ok((tasks, self.plan.len() - next))
     }
 
     /// Returns folder and format of the workers' time series; `None` if no series are stored.
@@ -154,11 +162,11 @@ impl Sweep {
         Some((place.display().to_string(), how))
     }
 
-    /// Stores the record of run `k` from a worker.
-    fn accept(&self, k: usize, record: &str) -> Raises<()> {
+    /// Stores the record of the run `number` from a worker.
+    fn accept(&self, number: usize, record: &str) -> Raises<()> {
         let mut record: RunRecord = serde_json::from_str(record)?;
-        let planned = self.plan.runs.get(k).ok_or_else(over)?;
-        let (scene, ours) = sweeps::wanted_of(&self.plan, planned)?;
+        let place = number - 1;
+        let (scene, ours) = sweeps::wanted_of(&self.plan.run(place)?);
         record.scene = scene;
         if record.identity() != ours {
             return Err(input(
@@ -168,21 +176,24 @@ impl Sweep {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
         journal.keep(&record)?;
-        lock(&self.records)[k] = Some(record);
+        lock(&self.rows).put(place, record);
         Ok(())
     }
 
     /// Writes the output folder, as the program does, and removes the journal.
     fn finish(&self) -> Raises<()> {
-        let records = self.records()?;
+        let done = std::mem::take(&mut *lock(&self.rows));
+        let rows = done.all().ok_or_else(undone)?;
         let mut journal = lock(&self.journal);
         let held = journal.as_ref().ok_or_else(over)?;
         let target = Folder::prepare(&self.out, self.request.clone())?;
-        let (table, made) = (sweeps::results(&self.plan, &records), made());
-        sweeps::write(target.path(), &self.plan, &records, &table, held, &made)?;
-        let page = pages::sweep::page(&self.plan, &records, &table, &made);
+        let (table, made) = (sweeps::results(&self.plan, &rows), made());
+        sweeps::write(target.path(), &self.plan, &rows, &table, held, &made)?;
+        let page = pages::sweep::page(&self.plan, &rows, &table, &made);
         write_text(&target.path().join("index.html"), &page)?;
         target.publish()?;
+        drop(rows);
+        self.results.get_or_init(|| (done, table));
         journal
             .take()
             .map_or(Ok(()), |journal| Ok(journal.remove()?))
@@ -202,30 +213,30 @@ impl Sweep {
 
     /// Returns the results as columns: (name, values), numbers or texts, `None` without a value.
     fn columns<'py>(&self, py: Python<'py>) -> Raises<Vec<(String, Bound<'py, PyAny>)>> {
-        let table = sweeps::results(&self.plan, &self.records()?);
-        let each = table.columns.into_iter().map(|column| {
-            let values = match column.values {
+        let columns = self.results()?.1.columns.iter();
+        let each = columns.map(|column| {
+            let values = match &column.values {
                 Values::Number(values) => values.into_pyobject(py)?,
                 Values::Whole(values) => values.into_pyobject(py)?,
                 Values::Text(values) => values.into_pyobject(py)?,
             };
-            Ok((column.name, values.into_any()))
+            Ok((column.name.clone(), values.into_any()))
         });
         each.collect()
     }
 
     /// Returns the number of unfinished runs, and engine and reason of the first.
     fn broken(&self) -> Raises<(usize, Option<(String, String)>)> {
-        let records = self.records()?;
-        let broken = sweeps::broken(&self.plan, &records);
+        let (rows, _) = self.results()?;
+        let broken = sweeps::broken(&rows);
         let first = broken.clone().next();
-        let first = first.map(|r| (r.engine.clone(), r.reason()));
+        let first = first.map(|row| (row.engine()[0].to_owned(), row.reason()));
         Ok((broken.count(), first))
     }
 
     /// Returns the results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
-        let found = sweeps::tolerances(&self.plan, &sweeps::results(&self.plan, &self.records()?));
+        let found = sweeps::tolerances(&self.plan, self.results()?.1);
         Ok(serde_json::to_string(&found)?)
     }
 
@@ -233,20 +244,21 @@ impl Sweep {
     fn text(&self) -> Raises<String> {
         let files = [("results", "results.csv"), ("report", "index.html")]
             .map(|(word, name)| (word, self.out.join(name).display().to_string()));
-        Ok(pages::sweep::text(&self.plan, &self.records()?, &files))
+        let (rows, table) = self.results()?;
+        Ok(pages::sweep::text(&self.plan, &rows, table, &files))
     }
 
     /// Returns the CPU time of all runs, s.
     fn cpu_s(&self) -> Raises<f64> {
-        Ok(self.records()?.iter().map(|record| record.cpu_s).sum())
+        Ok(self.results()?.0.iter().map(|row| row.cpu_s).sum())
     }
 }
 
 impl Sweep {
-    /// Returns all records.
-    fn records(&self) -> Raises<Vec<RunRecord>> {
-        let records: Option<Vec<RunRecord>> = lock(&self.records).iter().cloned().collect();
-        records.ok_or_else(|| plain("this sweep has runs that are not done"))
+    /// Returns all rows with their table.
+    fn results(&self) -> Raises<(Vec<Row<'_>>, &Table)> {
+        let (rows, table) = self.results.get().ok_or_else(undone)?;
+        Ok((rows.all().ok_or_else(undone)?, table))
     }
 }
 
@@ -272,22 +284,23 @@ pub(crate) fn perform(
     let guests = Guests(own);
     let mut last = None;
     let each = tasks.into_iter().map(|(number, engine, scene, window_s)| {
-        let planned = PlannedRun::from_parts(number, engine, &scene, window_s)?;
-        let Some(engine) = guests.engine(&planned.engine, &planned.scene) else {
-            let text = format!("this machine has no engine `{}`", planned.engine);
+        let checked = Scene::from_complete(&scene)?;
+        let Some(engine) = guests.engine(&engine, &checked) else {
+            let text = format!("this machine has no engine `{engine}`");
             return Err(input(text));
+        };
+        let planned = PlannedRun {
+            number,
+            engine,
+            values: Vec::new(),
+            scene: checked,
+            window_s,
+            refused: None,
         };
         let made = py.detach(|| {
             let control = pinwheel::Control::quiet();
             let place = (place.as_path(), keep);
-            sweeps::perform(
-                &planned,
-                engine.as_ref(),
-                &scene,
-                place,
-                &mut last,
-                &control,
-            )
+            sweeps::perform(&planned, &scene, place, &mut last, &control)
         });
         let mut record = made?;
         record.scene = String::new();

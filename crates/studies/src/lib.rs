@@ -32,7 +32,7 @@
 //!
 //! let text = "scene = 'paper'\n[vary]\ngear.backlash_m = { from = 0.0, to = 6e-4, points = 4 }";
 //! let plan = Plan::new(Sweep::from_toml(text, "mine.toml".as_ref())?, &[])?;
-//! assert_eq!((plan.runs.len(), plan.runs[1].scene.gear.backlash_m), (4, 2e-4));
+//! assert_eq!((plan.len(), plan.run(1)?.scene.gear.backlash_m), (4, 2e-4));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -14,7 +14,7 @@ use crate::{interrupt, screen};
 pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     if args.list {
-        return screen::show(&pages::sweep::list(&plan));
+        return screen::show(&pages::sweep::list(&plan)?);
     }
     let file = args.file.display().to_string();
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
@@ -23,8 +23,8 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let begin = Begin::of(args.resume, args.out.force);
     let journal = Journal::begin(&out, begin, &args::typed())?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let records = watched(|control| execute(&plan, &journal, jobs, control));
-    let records = match records {
+    let rows = watched(|control| execute(&plan, &journal, jobs, control));
+    let rows = match rows {
         Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
             return Err(match fault {
@@ -32,29 +32,29 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
                 fault => fault.into(),
             });
         }
-        records => records?,
+        rows => rows?,
     };
+    let rows = rows.all().unwrap_or_default();
     let folder = prepare()?;
-    let table = sweep::results(&plan, &records);
-    let made =
-        folder.write(|dir, made| sweep::write(dir, &plan, &records, &table, &journal, made))?;
-    let page = pages::sweep::page(&plan, &records, &table, &made);
+    let table = sweep::results(&plan, &rows);
+    let made = folder.write(|dir, made| sweep::write(dir, &plan, &rows, &table, &journal, made))?;
+    let page = pages::sweep::page(&plan, &rows, &table, &made);
     let csv = out.join("results.csv").display().to_string();
-    let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);
+    let text = pages::sweep::text(&plan, &rows, &table, &[("results", csv.clone())]);
     folder.write_page(&page)?;
     let place = folder.publish()?;
     // Only now: after an earlier failure --resume still needs every run.
     journal.remove()?;
     screen::show_with_page(&text, &place.join(PAGE))?;
-    let mut broken = sweep::broken(&plan, &records);
+    let mut broken = sweep::broken(&rows);
     let all = broken.clone().count();
     let Some(first) = broken.next() else {
         return Ok(());
     };
     Err(Failure::engine(format!(
         "{all} of {} runs did not finish, the first on {}: {}; see {csv}",
-        records.len(),
-        first.engine,
+        rows.len(),
+        first.engine()[0],
         first.reason(),
     )))
 }

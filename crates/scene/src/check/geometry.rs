@@ -129,7 +129,8 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
     let smallest = curve.smallest_convex_radius();
     // kappa <= 0 everywhere cannot happen on a closed curve, so `smallest` is positive.
     let undercut = q >= smallest;
-    let [shown_q, shown_smallest] = [q, smallest].map(short);
+    // Written only for a fault: remedies are searched by thousands of checks.
+    let shown = || [q, smallest].map(short);
     if undercut && !gear.modification.is_none() {
         let plain = Gear {
             modification: crate::model::Modification::default(),
@@ -138,6 +139,7 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
         // An undercut of the gear without deviations is reported instead.
         profile(&plain)?;
         let most = below(smallest - gear.external_sleeve_radius_m);
+        let [shown_q, shown_smallest] = shown();
         return Err(Fault::new(
             match gear.modification.normal_m.is_none() {
                 true => &[
@@ -173,6 +175,7 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
     }
     if undercut {
         let most = below(smallest.min(half_pitch(gear)));
+        let [shown_q, shown_smallest] = shown();
         return Err(Fault::new(
             &[
                 "gear.external_sleeve_radius_m",
@@ -213,9 +216,8 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
     let circle = gear.internal_circle_radius_m;
     let least = sleeve + gear.eccentricity_m;
     let half_pitch = circle * (PI / gear.internal_sleeves as f64).sin();
-    let [shown, shown_circle] = [hole, circle].map(short);
     if sleeve >= hole {
-        let (sleeve, least) = (short(sleeve), above(least));
+        let (sleeve, shown, least) = (short(sleeve), short(hole), above(least));
         return Err(Fault::new(
             &["gear.internal_sleeve_radius_m", "gear.hole_radius_m"],
             format!("is {sleeve} m, larger than its hole of {shown} m"),
@@ -225,7 +227,7 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
         ));
     }
     if hole < least * (1.0 - ROUNDING) {
-        let (sum, least) = (short(least), above(least));
+        let (shown, sum, least) = (short(hole), short(least), above(least));
         return Err(Fault::new(
             &[
                 "gear.hole_radius_m",
@@ -239,7 +241,8 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
         ));
     }
     if hole >= half_pitch {
-        let (count, each, most) = (gear.internal_sleeves, short(half_pitch), below(half_pitch));
+        let (count, most) = (gear.internal_sleeves, below(half_pitch));
+        let [shown, shown_circle, each] = [hole, circle, half_pitch].map(short);
         return Err(Fault::new(
             &[
                 "gear.hole_radius_m",

@@ -162,7 +162,10 @@ impl<'a> Board<'a> {
             let usual_s = if is_idle { 0.0 } else { info.usual_s };
             Lane {
                 name: engine.name(),
-                outlook: Outlook::usual(stored.unwrap_or(usual_s)),
+                outlook: Outlook {
+                    measured: stored.is_some(),
+                    ..Outlook::usual(stored.unwrap_or(usual_s))
+                },
             }
         };
         let now = Instant::now();

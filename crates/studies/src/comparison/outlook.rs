@@ -5,7 +5,8 @@
 //!  ──> if its end did not move by more than a third of it since half of the time, and is not near
 //! ```
 
-/// Largest share of engines without a report in a remaining time that is shown: by their usual costs they were off by a factor of 3.
+/// Largest share of engines without a report or kept costs of the scene in a remaining time that is shown: their usual costs are those
+/// of `paper`, and those of five live comparisons were off by 1 to 265.
 const UNREPORTED: f64 = 0.3;
 /// Least remaining time over the elapsed one that is shown. Differences, which follow the engines, took up to 0.07 of it.
 const NEAR: f64 = 0.2;
@@ -36,6 +37,8 @@ impl Foretold {
 pub struct Outlook {
     /// Duration as far as known before the work.
     pub usual_s: f64,
+    /// True if it was measured on the same scene.
+    pub measured: bool,
     /// Start of the work.
     pub begun_s: Option<f64>,
     /// Time of the latest report, and the remaining time in it.
@@ -72,8 +75,9 @@ pub fn left_s(all: &[Outlook], jobs: usize, now_s: f64) -> Option<f64> {
         let left = match one.reported_s {
             Some([at_s, left_s]) => (at_s + left_s - now_s).max(0.0),
             None => {
-                unreported += pace * one.usual_s;
-                pace * one.usual_s
+                let left = pace * one.usual_s;
+                unreported += if one.measured { 0.0 } else { left };
+                left
             }
         };
         sum += left;

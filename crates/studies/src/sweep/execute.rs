@@ -2,9 +2,10 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use pinwheel_engines::{Ending, Engine, Run};
+use pinwheel_engines::{Ending, Run};
 use pinwheel_gearbox::Gearbox;
 
 use crate::StudyError;
@@ -14,6 +15,7 @@ use crate::provenance::SOURCES;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
 use crate::sweep::record::{RunRecord, identity};
+use crate::sweep::row::Rows;
 use crate::sweep::{Plan, PlannedRun};
 
 /// Largest number of progress reports of a run.
@@ -31,7 +33,7 @@ struct Shared<'a> {
     simulated_us: AtomicU64,
 }
 
-/// Runs everything that is missing in the journal, on `jobs` threads; returns the records in the plan's order.
+/// Runs everything that is missing in the journal, on `jobs` threads; returns their rows.
 /// # Errors
 /// [`StudyError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot be written.
 pub fn execute(
@@ -39,8 +41,8 @@ pub fn execute(
     journal: &Journal,
     jobs: usize,
     control: &Control<'_>,
-) -> Result<Vec<RunRecord>, StudyError> {
-    let durations = plan.runs.iter().map(|run| run.scene.solver.duration_s);
+) -> Result<Rows, StudyError> {
+    let durations = (0..plan.len()).map(|run| plan.duration_s(run));
     let shared = Shared {
         plan,
         journal,
@@ -50,62 +52,48 @@ pub fn execute(
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
+    let rows = Mutex::new(Rows::new(plan.len()));
     let run = |last: &mut Option<Gearbox>, k: usize| {
-        let record = shared.one(last, &plan.runs[k])?;
+        let record = shared.one(last, k)?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
         shared.report();
-        Ok(record)
+        pool::lock(&rows).put(k, record);
+        Ok(())
     };
-    let (records, fault) = pool::map(jobs, plan.runs.len(), || None, run);
-    let records: Vec<RunRecord> = records.into_iter().flatten().collect();
+    let (_, fault) = pool::map(jobs, plan.len(), || None, run);
+    let rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
     match fault {
-        None => Ok(records),
+        None => Ok(rows),
         Some(StudyError::Cancelled) => Err(StudyError::Stopped {
-            finished: records.len(),
-            runs: plan.runs.len(),
+            finished: rows.done(),
+            runs: plan.len(),
         }),
         Some(fault) => Err(fault),
     }
 }
 
-/// Returns the record of a run, if the journal has it with its time series.
-///
-/// # Errors
-/// Unavailable engine.
+/// Returns the record of a run that needs no running: one that the journal has with its time series, or of values that make no gear.
+/// `identity`: of [`wanted_of`].
 pub fn find(
     plan: &Plan,
     planned: &PlannedRun,
     journal: &Journal,
-) -> Result<Option<RunRecord>, StudyError> {
-    found(plan, planned, journal, &wanted_of(plan, planned)?.1)
-}
-
-/// The record of a run without running it: one that the journal holds, or of values that make no gear.
-fn found(
-    plan: &Plan,
-    planned: &PlannedRun,
-    journal: &Journal,
     identity: &str,
-) -> Result<Option<RunRecord>, StudyError> {
+) -> Option<RunRecord> {
     let Some(why) = &planned.refused else {
-        return Ok(journal.find(identity, plan.sweep.time_series));
+        return journal.find(identity, plan.sweep.time_series);
     };
     let run = Run::ended(Ending::unsupported(why));
-    let engine = plan.engine(planned)?;
-    Ok(Some(RunRecord::of(planned, engine.as_ref(), "", &run)))
+    Some(RunRecord::of(planned, "", &run))
 }
 
 /// Returns the complete scene of a run as TOML, and the [`RunRecord::identity`] of its record.
-///
-/// # Errors
-/// Unavailable engine.
-pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), StudyError> {
-    let engine = plan.engine(planned)?;
-    let scene = planned.scene.to_toml();
+pub fn wanted_of(planned: &PlannedRun) -> (String, String) {
+    let (scene, engine) = (planned.scene.to_toml(), &planned.engine);
     let made_by = (engine.name(), &*engine.version(), &*engine.build());
     let ours = (env!("CARGO_PKG_VERSION"), SOURCES);
     let identity = identity(made_by, ours, planned.window_s, &scene);
-    Ok((scene, identity))
+    (scene, identity)
 }
 
 /// Performs a run, and stores its time series in the folder in the requested form. `scene`: its complete
@@ -115,14 +103,13 @@ pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), 
 /// Stopped; time series cannot be written.
 pub fn perform(
     planned: &PlannedRun,
-    engine: &dyn Engine,
     scene: &str,
     (folder, keep): (&Path, KeepTimeSeries),
     last: &mut Option<Gearbox>,
     control: &Control<'_>,
 ) -> Result<RunRecord, StudyError> {
-    let run = engine.run_after(last, &planned.scene, control)?;
-    let mut record = RunRecord::of(planned, engine, scene, &run);
+    let run = planned.engine.run_after(last, &planned.scene, control)?;
+    let mut record = RunRecord::of(planned, scene, &run);
     if run.ending.is_finished() {
         record.time_series = keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
     }
@@ -137,23 +124,19 @@ impl Shared<'_> {
         (self.control.progress)(Progress {
             simulated_s: Some([simulated, self.duration_s]),
             left_s: Some(left * self.begun.elapsed().as_secs_f64()),
-            ..Progress::new(done, self.plan.runs.len(), &self.plan.sweep.name)
+            ..Progress::new(done, self.plan.len(), &self.plan.sweep.name)
         });
     }
 
     /// Returns one run, from the journal or computed.
-    fn one(
-        &self,
-        last: &mut Option<Gearbox>,
-        planned: &PlannedRun,
-    ) -> Result<RunRecord, StudyError> {
+    fn one(&self, last: &mut Option<Gearbox>, k: usize) -> Result<RunRecord, StudyError> {
         self.control.check()?;
-        let duration = planned.scene.solver.duration_s;
+        let planned = self.plan.run(k)?;
+        let duration = self.plan.duration_s(k);
         let whole_us = (duration * 1e6) as u64;
         let keep = self.plan.sweep.time_series;
-        let engine = self.plan.engine(planned)?;
-        let (scene, identity) = wanted_of(self.plan, planned)?;
-        if let Some(record) = found(self.plan, planned, self.journal, &identity)? {
+        let (scene, identity) = wanted_of(&planned);
+        if let Some(record) = find(self.plan, &planned, self.journal, &identity) {
             self.simulated_us.fetch_add(whole_us, Ordering::Relaxed);
             return Ok(record);
         }
@@ -173,7 +156,7 @@ impl Shared<'_> {
         };
         let control = Control::new(self.control.cancel, &reached).lasting(duration);
         let place = (self.journal.folder(), keep);
-        let record = perform(planned, engine.as_ref(), &scene, place, last, &control)?;
+        let record = perform(&planned, &scene, place, last, &control)?;
         let _ = control.reached(duration);
         self.journal.keep(&record)?;
         Ok(record)

@@ -13,7 +13,7 @@
 //! place, synced and then renamed, because a record states that they exist. It also contains their size and hash, and its own:
 //! damaged or changed files are ignored.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -30,6 +30,7 @@ use crate::output::OutputError;
 use crate::pool;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
+use crate::sweep::row::Row;
 use crate::sweep::written::Written;
 
 /// Prefix of files of runs.
@@ -65,8 +66,10 @@ pub struct Journal {
     folder: PathBuf,
     /// Lock that excludes other writing processes.
     owner: Lock,
-    /// Files of the records, by the hash of their identity; the records of a large sweep would not fit in memory.
-    known: Mutex<HashMap<u64, PathBuf>>,
+    /// Hashes of the identities of its own records, which name their files.
+    known: Mutex<HashSet<u64>>,
+    /// Files of the records of an earlier output, by the hash of their identity.
+    earlier: HashMap<u64, PathBuf>,
 }
 
 impl Journal {
@@ -79,8 +82,16 @@ impl Journal {
     pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, StudyError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
         let owner = Lock::take(folder, command)?;
+        for path in entries(folder)? {
+            if name_of(&path).starts_with(UNFINISHED) {
+                fs::remove_file(&path).map_err(at(&path))?;
+            }
+        }
+        let earlier = earlier.filter(|place| place.is_dir());
+        let known = records(folder)?.into_keys();
         Ok(Self {
-            known: Self::read(folder, earlier)?,
+            known: Mutex::new(known.collect()),
+            earlier: earlier.map_or_else(|| Ok(HashMap::new()), records)?,
             folder: folder.to_owned(),
             owner,
         })
@@ -109,29 +120,6 @@ impl Journal {
         beside(out, ".unfinished")
     }
 
-    /// Returns the records of `own`, whose unfinished files are deleted, and of `earlier`.
-    fn read(
-        own: &Path,
-        earlier: Option<&Path>,
-    ) -> Result<Mutex<HashMap<u64, PathBuf>>, StudyError> {
-        let mut known = HashMap::new();
-        let earlier = earlier.filter(|place| place.is_dir());
-        for place in earlier.into_iter().chain([own]) {
-            for path in entries(place)? {
-                let name = name_of(&path);
-                if name.starts_with(UNFINISHED) && place == own {
-                    fs::remove_file(&path).map_err(at(&path))?;
-                } else if name.starts_with(PREFIX) && name.ends_with(".json") {
-                    let bytes = fs::read(&path).map_err(at(&path))?;
-                    if let Some(record) = record(&bytes).filter(|r| !r.ending.may_pass()) {
-                        known.insert(hash_of(&record.identity()), path);
-                    }
-                }
-            }
-        }
-        Ok(Mutex::new(known))
-    }
-
     /// Returns the folder of time series.
     pub fn folder(&self) -> &Path {
         &self.folder
@@ -139,8 +127,7 @@ impl Journal {
 
     /// Returns the number of runs in its own folder, without those of an earlier output.
     pub fn in_its_folder(&self) -> usize {
-        let own = |path: &&PathBuf| path.starts_with(&self.folder);
-        pool::lock(&self.known).values().filter(own).count()
+        pool::lock(&self.known).len()
     }
 
     /// Deletes the runs in its own folder.
@@ -148,7 +135,7 @@ impl Journal {
     /// # Errors
     /// A file cannot be removed.
     pub fn clear(&self) -> Result<(), StudyError> {
-        pool::lock(&self.known).retain(|_, path| !path.starts_with(&self.folder));
+        pool::lock(&self.known).clear();
         for path in entries(&self.folder)? {
             let name = name_of(&path);
             if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
@@ -168,52 +155,59 @@ impl Journal {
         Ok(())
     }
 
+    /// Returns the file of a record by the hash of its identity.
+    fn place(&self, identity: u64) -> PathBuf {
+        let earlier = self.earlier.get(&identity);
+        match earlier.filter(|_| !pool::lock(&self.known).contains(&identity)) {
+            Some(path) => path.clone(),
+            None => place(&self.folder, identity, "json"),
+        }
+    }
+
     /// Returns the record of an identity, if its time series are stored in the requested form and unchanged.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
-        let path = pool::lock(&self.known).get(&hash_of(identity))?.clone();
+        let path = self.place(hash_of(identity));
         let record = record(&fs::read(&path).ok()?).filter(|r| r.identity() == identity)?;
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let written = &record.time_series;
         let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
         let there = !record.ending.is_finished() || file.is_none_or(whole);
-        there.then_some(record)
+        (there && !record.ending.may_pass()).then_some(record)
     }
 
-    /// Stores the record of a run whose time series, if requested, are already stored; failed runs are not stored.
+    /// Stores the record of a run whose time series, if requested, are already stored; that of a failed run for [`copy`](Self::copy)
+    /// alone.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn keep(&self, record: &RunRecord) -> Result<(), StudyError> {
-        if record.ending.may_pass() {
-            return Ok(());
-        }
-        let identity = record.identity();
-        let path = place(&self.folder, &identity, "json");
+        let identity = hash_of(&record.identity());
+        let path = place(&self.folder, identity, "json");
         // A new file, because the old one may be linked into an output.
         let _ = fs::remove_file(&path);
         fs::write(&path, json(record)).map_err(at(&path))?;
-        pool::lock(&self.known).insert(hash_of(&identity), path);
+        if !record.ending.may_pass() {
+            pool::lock(&self.known).insert(identity);
+        }
         Ok(())
     }
 
     /// Adds a run's files to `folder` as `run-0007.*`; both places must not change them afterwards.
     ///
     /// # Errors
-    /// A file cannot be read or written. The record of a failed run, which is not stored, is written here.
+    /// A file cannot be read or written.
     pub fn copy(
         &self,
-        record: &RunRecord,
+        row: Row<'_>,
         time_series: KeepTimeSeries,
         number: usize,
         folder: &Path,
     ) -> Result<(), StudyError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
-        let place = pool::lock(&self.known)
-            .get(&hash_of(&record.identity()))
-            .cloned();
-        let Some(path) = place else {
-            return fs::write(&target, json(record)).map_err(at(&target));
+        let Some(identity) = row.identity() else {
+            return fs::write(&target, json(&row.record())).map_err(at(&target));
         };
+        let path = self.place(identity);
         linked(&path, &target)?;
         if let Some(extension) = extension(time_series) {
             let from = path.with_extension(extension);
@@ -223,6 +217,22 @@ impl Journal {
         }
         Ok(())
     }
+}
+
+/// Returns the files of a folder's valid records, without those of failed runs, by the hash of their identity.
+fn records(folder: &Path) -> Result<HashMap<u64, PathBuf>, StudyError> {
+    let mut known = HashMap::new();
+    for path in entries(folder)? {
+        let name = name_of(&path);
+        if name.starts_with(PREFIX) && name.ends_with(".json") {
+            let bytes = fs::read(&path).map_err(at(&path))?;
+            let record = record(&bytes).filter(|r| !r.ending.may_pass());
+            if let Some(record) = record {
+                known.insert(hash_of(&record.identity()), path);
+            }
+        }
+    }
+    Ok(known)
 }
 
 /// Links a file under another name, cheaper than a copy; copies it if the file system has no links.
@@ -274,9 +284,8 @@ fn hash_of(identity: &str) -> u64 {
     fnv(identity.bytes())
 }
 
-/// Returns the file of a run in a journal's folder.
-fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
-    let hash = hash_of(identity);
+/// Returns the file of a run in a journal's folder, by the hash of its identity.
+fn place(folder: &Path, hash: u64, extension: &str) -> PathBuf {
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 
@@ -291,7 +300,7 @@ pub(crate) fn keep_time_series(
     let Some(extension) = extension(how) else {
         return Ok(None);
     };
-    let file = place(folder, identity, extension);
+    let file = place(folder, hash_of(identity), extension);
     let unwritten = |fault: &dyn Display| OutputError::new(&file, fault);
     let sink = Builder::new().prefix(UNFINISHED).tempfile_in(folder);
     let mut sink = sink.map_err(at(&file))?;

@@ -1,7 +1,7 @@
 //! Sweeps as data: a base scene, lists or ranges of its keys, and the results to keep of every run.
 //!
-//! [`Sweep`] is the file, [`Plan`] the list of its runs as checked scenes. [`execute`] runs them on all cores with finished
-//! runs stored in a [`Journal`]; [`results`] returns them as a table. Every run is computed by one thread, so the numbers do
+//! [`Sweep`] is the file, [`Plan`] makes each of its runs as a checked scene. [`execute`] runs them on all cores with finished
+//! runs stored in a [`Journal`], and keeps the numbers of each in [`Rows`]; [`results`] returns them as a table. Every run is computed by one thread, so the numbers do
 //! not depend on the number of threads.
 
 pub(crate) mod axis;
@@ -14,6 +14,7 @@ mod output;
 pub(crate) mod plan;
 mod record;
 mod results;
+mod row;
 mod sample;
 mod specification;
 mod spread;
@@ -28,8 +29,9 @@ pub use idle::idle;
 pub use journal::{Begin, Journal};
 pub use output::write;
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
-pub use record::RunRecord;
+pub use record::{Outcome, RunRecord};
 pub use results::{broken, costs, results};
+pub use row::{Row, Rows};
 pub use sample::{Distribution, Method, Sample};
 pub use specification::Limit;
 pub use spread::WindowStatistics;

@@ -5,7 +5,7 @@ use std::path::Path;
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
-use super::{Journal, Limit, Plan, RunRecord, SampleResult, costs, idle, tolerances};
+use super::{Journal, Limit, Plan, Row, SampleResult, costs, idle, tolerances};
 use crate::StudyError;
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -38,13 +38,13 @@ struct Payload<'a> {
 pub fn write(
     dir: &Path,
     plan: &Plan,
-    records: &[RunRecord],
+    rows: &[Row<'_>],
     table: &Table,
     journal: &Journal,
     made: &Provenance,
 ) -> Result<(), StudyError> {
     write_with(dir, "results.csv", |sink| table.write_csv(sink))?;
-    let costs = costs(plan, records);
+    let costs = costs(rows);
     write_with(dir, "costs.csv", |sink| costs.write_csv(sink))?;
     #[cfg(feature = "parquet")]
     {
@@ -55,20 +55,20 @@ pub fn write(
     }
     write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
     let runs = output::folder(dir, "runs")?;
-    for (run, record) in plan.runs.iter().zip(records) {
-        journal.copy(record, plan.sweep.time_series, run.number, &runs)?;
+    for (run, row) in rows.iter().copied().enumerate() {
+        journal.copy(row, plan.sweep.time_series, run + 1, &runs)?;
     }
     let sweep = &plan.sweep;
-    let finished = records.iter().filter(|record| record.ending.is_finished());
+    let finished = rows.iter().filter(|row| row.is_finished());
     let found = Payload {
         name: &sweep.name,
         description: &sweep.description,
         scene: &sweep.scene,
         keys: plan.keys().collect(),
         engines: &sweep.engines,
-        runs: records.len(),
+        runs: rows.len(),
         finished: finished.count(),
-        no_effect: idle(plan, records),
+        no_effect: idle(plan, rows),
         rows: table,
         specification: &sweep.specification,
         sample: tolerances(plan, table),

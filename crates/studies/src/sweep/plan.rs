@@ -1,4 +1,4 @@
-//! Runs of a sweep: every combination as a checked scene, before the first run.
+//! Runs of a sweep: every combination as a checked scene.
 
 use std::fmt;
 use std::sync::Arc;
@@ -25,12 +25,11 @@ const WIDER: &str = "the sample includes gears that cannot be built: narrow its 
 pub const MOST_RUNS: usize = 100_000;
 
 /// Run of a plan.
-#[derive(Debug, Clone)]
 pub struct PlannedRun {
     /// Number of the run, from 1.
     pub number: usize,
-    /// Name of the engine.
-    pub engine: String,
+    /// Engine.
+    pub engine: Arc<dyn Engine>,
     /// Varied keys and their values, in the order of the axes.
     pub values: Vec<(String, Value)>,
     /// Checked scene.
@@ -39,28 +38,6 @@ pub struct PlannedRun {
     pub window_s: [f64; 2],
     /// Why the values of a sample make no gear; `scene` is then the one they are about.
     pub refused: Option<String>,
-}
-
-impl PlannedRun {
-    /// Returns a run planned by another process: `number`, `engine`, its complete scene as TOML, and its window.
-    ///
-    /// # Errors
-    /// Refused scene.
-    pub fn from_parts(
-        number: usize,
-        engine: String,
-        scene: &str,
-        window_s: [f64; 2],
-    ) -> Result<Self, SceneError> {
-        Ok(Self {
-            number,
-            engine,
-            values: Vec::new(),
-            scene: Scene::from_complete(scene)?,
-            window_s,
-            refused: None,
-        })
-    }
 }
 
 /// Engines of the caller, beside those of the build; their names take precedence.
@@ -85,15 +62,19 @@ impl fmt::Debug for Guests {
     }
 }
 
-/// Sweep with all of its runs.
+/// Sweep whose runs are derived when they are needed: a plan of many is as small as the values that vary.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Content of the sweep file.
     pub sweep: Sweep,
-    /// Runs; the engine changes fastest, then the last axis.
-    pub runs: Vec<PlannedRun>,
     /// Engines of the caller.
     pub guests: Guests,
+    /// Part common to all scenes.
+    draft: Draft,
+    /// Scene whose sample is drawn.
+    about: Option<CheckedScene>,
+    /// Simulated time of a run, s, for each point of the axes other than the sample.
+    durations_s: Vec<f64>,
 }
 
 impl Plan {
@@ -105,7 +86,8 @@ impl Plan {
         Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
-    /// Plans a sweep with the caller's engines. It stops when `cancel` is set, because checking many scenes takes time.
+    /// Plans a sweep with the caller's engines. Every combination is checked, of a sample as many points as it takes to draw a gear.
+    /// It stops when `cancel` is set, because checking many scenes takes time.
     ///
     /// # Errors
     /// Errors of [`new`](Self::new), and [`StudyError::Cancelled`].
@@ -115,11 +97,14 @@ impl Plan {
         guests: Guests,
         cancel: &AtomicBool,
     ) -> Result<Self, StudyError> {
-        let (mut draft, mut about) = (None, None);
+        let values = values_at(&sweep, 0);
+        let common = [sweep.set.as_slice(), overrides].concat();
+        let draft =
+            Draft::load(&sweep.scene, &common).map_err(|source| no_scene(1, &values, source))?;
+        let mut about = None;
         if let Some(sample) = &sweep.sample {
-            let values: Vec<(String, Value)> = values_at(&sweep, 0);
             // At the first point of the other axes: distributions without a mean are centred on the scene's value.
-            let scene = scene_at(&mut draft, &sweep, overrides, 1, &values)?;
+            let scene = scene_at(&draft, 1, &values)?;
             let axis = sample.axis(&scene);
             let axis = axis.map_err(|what| refused(1, &values, &what))?;
             sweep.axes.push(axis);
@@ -135,75 +120,113 @@ impl Plan {
                 "the sweep asks for {runs} runs, more than {MOST_RUNS}; give shorter lists, or split the sweep"
             ))
         })?;
-        let (mut runs, mut fault) = (Vec::with_capacity(count), None);
-        for point in 0..count / sweep.engines.len() {
-            if cancel.load(Ordering::Relaxed) {
-                return Err(StudyError::Cancelled);
-            }
-            let values = values_at(&sweep, point);
-            let number = runs.len() + 1;
-            let scene = scene_at(&mut draft, &sweep, overrides, number, &values);
-            let (scene, no_gear) = match (scene, &about) {
-                (Ok(scene), _) => (scene, None),
-                (Err(why), Some(about)) => (about.clone(), Some(why)),
-                (Err(why), None) => return Err(why),
-            };
-            let wrong = |what: String| refused(number, &values, &what);
-            let duration = scene.solver.duration_s;
-            let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);
-            if window_s[1] > duration * (1.0 + 1e-9) {
-                return Err(wrong(format!(
-                    "window_s ends at {} s, after the run's {duration} s; make solver.duration_s longer or the window earlier",
-                    window_s[1]
-                )));
-            }
-            if point == 0 {
-                measured(&sweep, &scene).map_err(wrong)?;
-            }
-            for name in &sweep.engines {
-                let engine = guests.engine(name, &scene).ok_or_else(|| {
-                    let registry = pinwheel_engines::registry();
-                    let mut known: Vec<&str> = registry.iter().map(|e| e.name()).collect();
-                    known.push(STATICS);
-                    let remedy = did_you_mean(name, &known);
-                    wrong(format!("there is no engine `{name}`; {remedy}"))
-                })?;
-                runs.push(PlannedRun {
-                    number: runs.len() + 1,
-                    engine: engine.name().to_owned(),
-                    values: values.clone(),
-                    scene: scene.clone(),
-                    window_s,
-                    refused: no_gear.as_ref().map(ToString::to_string),
-                });
-            }
-            fault = fault.or(no_gear);
-        }
-        let all_refused = runs.iter().all(|run: &PlannedRun| run.refused.is_some());
-        if let Some(fault) = fault.filter(|_| all_refused) {
-            return Err(StudyError::Input(format!("{fault}; {WIDER}")));
-        }
-        Ok(Self {
+        let mut plan = Self {
             sweep,
-            runs,
             guests,
+            draft,
+            about,
+            durations_s: Vec::new(),
+        };
+        let (each, engines) = (plan.each(), plan.sweep.engines.len());
+        let first = plan.run(0)?;
+        (1..engines).try_for_each(|run| plan.run(run).map(drop))?;
+        let wrong = |what: String| refused(1, &first.values, &what);
+        measured(&plan.sweep, &first.scene).map_err(wrong)?;
+        let (mut fault, mut drawn) = (None, false);
+        for block in (0..count).step_by(each) {
+            let mut duration_s = 0.0;
+            for run in (block..block + each).step_by(engines) {
+                if cancel.load(Ordering::Relaxed) {
+                    return Err(StudyError::Cancelled);
+                }
+                let run = plan.run(run)?;
+                duration_s = run.scene.solver.duration_s;
+                if run.refused.is_none() {
+                    drawn = true;
+                    break;
+                }
+                fault = fault.or(run.refused);
+            }
+            plan.durations_s.push(duration_s);
+        }
+        match fault.filter(|_| !drawn) {
+            Some(fault) => Err(StudyError::Input(format!("{fault}; {WIDER}"))),
+            None => Ok(plan),
+        }
+    }
+
+    /// Number of runs at a point of the axes other than the sample.
+    fn each(&self) -> usize {
+        let sample = self.sweep.sample.as_ref();
+        self.sweep.engines.len() * sample.map_or(1, |sample| sample.points)
+    }
+
+    /// Number of runs.
+    pub fn len(&self) -> usize {
+        self.durations_s.len() * self.each()
+    }
+
+    /// True without runs.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns a run by its index; the engine changes fastest, then the last axis.
+    ///
+    /// # Errors
+    /// Errors of [`new`](Self::new).
+    pub fn run(&self, run: usize) -> Result<PlannedRun, StudyError> {
+        let engines = &self.sweep.engines;
+        let (number, values) = (run + 1, values_at(&self.sweep, run / engines.len()));
+        let (scene, no_gear) = match (scene_at(&self.draft, number, &values), &self.about) {
+            (Ok(scene), _) => (scene, None),
+            (Err(why), Some(about)) => (about.clone(), Some(why.to_string())),
+            (Err(why), None) => return Err(why),
+        };
+        let wrong = |what: String| refused(number, &values, &what);
+        let duration = scene.solver.duration_s;
+        let window_s = self.sweep.window_s.unwrap_or([0.5 * duration, duration]);
+        if window_s[1] > duration * (1.0 + 1e-9) {
+            return Err(wrong(format!(
+                "window_s ends at {} s, after the run's {duration} s; make solver.duration_s longer or the window earlier",
+                window_s[1]
+            )));
+        }
+        let name = &engines[run % engines.len()];
+        let engine = self.guests.engine(name, &scene).ok_or_else(|| {
+            let registry = pinwheel_engines::registry();
+            let mut known: Vec<&str> = registry.iter().map(|e| e.name()).collect();
+            known.push(STATICS);
+            let remedy = did_you_mean(name, &known);
+            wrong(format!("there is no engine `{name}`; {remedy}"))
+        })?;
+        Ok(PlannedRun {
+            number,
+            engine,
+            values,
+            scene,
+            window_s,
+            refused: no_gear,
         })
     }
 
-    /// Returns the engine of a run.
-    pub(crate) fn engine(&self, planned: &PlannedRun) -> Result<Arc<dyn Engine>, StudyError> {
-        let engine = self.guests.engine(&planned.engine, &planned.scene);
-        // The engine existed during planning, and the registry does not change while the program runs.
-        engine.ok_or_else(|| {
-            let what = format!("engine `{}` is gone", planned.engine);
-            refused(planned.number, &planned.values, &what)
-        })
+    /// Returns the simulated time of a run, s; if a sample draws it, of its first gear.
+    pub fn duration_s(&self, run: usize) -> f64 {
+        self.durations_s[run / self.each()]
     }
 
     /// Returns the names of the varied keys, in the order of the axes.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         let axes = self.sweep.axes.iter();
         axes.flat_map(|axis| axis.keys.iter().map(|(key, _)| key.as_str()))
+    }
+
+    /// Returns the values of a run, in the order of the keys.
+    pub fn values(&self, run: usize) -> Vec<&Value> {
+        let places = places_at(&self.sweep, run / self.sweep.engines.len());
+        let axes = self.sweep.axes.iter().zip(places);
+        axes.flat_map(|(axis, place)| axis.keys.iter().map(move |(_, list)| &list[place]))
+            .collect()
     }
 
     /// Returns the index of a run on every axis, and among the engines if there are several.
@@ -277,31 +300,26 @@ fn refused(number: usize, values: &[(String, Value)], what: &str) -> StudyError 
     StudyError::Input(format!("run {number} ({}): {what}", in_words(values)))
 }
 
-/// Returns the scene of run `number`; `draft` is the part common to all runs, read on first use.
+/// Returns the scene of run `number`.
 fn scene_at(
-    draft: &mut Option<Draft>,
-    sweep: &Sweep,
-    overrides: &[Override],
+    draft: &Draft,
     number: usize,
     values: &[(String, Value)],
 ) -> Result<CheckedScene, StudyError> {
-    let mut made = || {
-        let draft = match draft {
-            Some(draft) => draft,
-            None => {
-                let common = [sweep.set.as_slice(), overrides].concat();
-                draft.insert(Draft::load(&sweep.scene, &common)?)
-            }
-        };
-        let varied = values.iter();
-        let varied = varied.map(|(key, value)| Override::new(key.clone(), value.to_toml()));
-        draft.with(&varied.collect::<Vec<_>>())
-    };
-    made().map_err(|source: SceneError| StudyError::Run {
+    let varied = values.iter();
+    let varied = varied.map(|(key, value)| Override::new(key.clone(), value.to_toml()));
+    draft
+        .with(&varied.collect::<Vec<_>>())
+        .map_err(|source| no_scene(number, values, source))
+}
+
+/// Returns the error of a run whose scene is refused.
+fn no_scene(number: usize, values: &[(String, Value)], source: SceneError) -> StudyError {
+    StudyError::Run {
         number,
         values: in_words(values),
         source: Box::new(source),
-    })
+    }
 }
 
 /// Formats values as `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.

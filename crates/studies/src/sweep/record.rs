@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use pinwheel_compare::quantities::derive;
-use pinwheel_engines::{Engine, Run};
+use pinwheel_engines::Run;
 use pinwheel_gearbox::Efficiency;
 use pinwheel_scene::speed_profile;
 use pinwheel_timeseries::sampling::Figures;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::provenance::SOURCES;
 use crate::sweep::PlannedRun;
-use crate::sweep::spread::{FIGURES, WindowStatistics};
+use crate::sweep::spread::WindowStatistics;
 use crate::sweep::written::Written;
 
 /// Record of a run. A repeated run gives an equal record, except for both times.
@@ -22,7 +22,7 @@ pub struct RunRecord {
     pub engine: String,
     /// Version of the engine.
     pub engine_version: String,
-    /// Build of the engine, if it is not part of this program: see [`Engine::build`].
+    /// Build of the engine, if it is not part of this program: see [`Engine::build`](pinwheel_engines::Engine::build).
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub engine_build: String,
     /// Version of this program.
@@ -32,11 +32,6 @@ pub struct RunRecord {
     pub program: String,
     /// Complete scene, TOML.
     pub scene: String,
-    /// Window of the figures, s.
-    pub window_s: [f64; 2],
-    /// Ending of the run.
-    #[serde(flatten)]
-    pub ending: Ending,
     /// File of its time series, if stored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_series: Option<Written>,
@@ -47,15 +42,30 @@ pub struct RunRecord {
     /// Figures of equilibria, by their columns.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub balances: BTreeMap<String, f64>,
+    /// Figures without a valid number in a finished run, each with the reason.
+    #[serde(default)]
+    pub undefined: Vec<String>,
+    /// Remarks of the engine.
+    pub notes: Vec<String>,
+    /// Ending of the run.
+    #[serde(flatten)]
+    pub ending: Ending,
+    /// Cost, and figures without a quantity.
+    #[serde(flatten)]
+    pub outcome: Outcome,
+}
+
+/// Cost of a run, and its figures without a quantity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Window of the figures, s.
+    pub window_s: [f64; 2],
     /// Power out over power in, at most 1; `None` if meaningless, e.g. if the contact law creates power.
     pub efficiency: Option<f64>,
     /// Power out over the sum of power out and contact losses, for any law, with or without friction; `None` without an account
     /// of most of the window.
     #[serde(default)]
     pub efficiency_accounted: Option<f64>,
-    /// Figures without a valid number in a finished run, each with the reason.
-    #[serde(default)]
-    pub undefined: Vec<String>,
     /// Unaccounted energy in the run's second half, as a share of the larger work, if the engine keeps an account.
     pub energy_remainder_share: Option<f64>,
     /// Number of steps.
@@ -65,8 +75,6 @@ pub struct RunRecord {
     /// Relative numerical uncertainty of the forces and of the driver's torque, if the engine verified its run.
     #[serde(default, rename = "numerical_uncertainty", alias = "uncertainty")]
     pub uncertainty: Option<[f64; 2]>,
-    /// Remarks of the engine.
-    pub notes: Vec<String>,
     /// Wall time, s.
     pub wall_s: f64,
     /// CPU time, s.
@@ -75,37 +83,51 @@ pub struct RunRecord {
 
 impl RunRecord {
     /// Makes the record of a run, with figures if it finished.
-    pub(crate) fn of(planned: &PlannedRun, engine: &dyn Engine, scene: &str, run: &Run) -> Self {
-        let stats = &run.stats;
+    pub(crate) fn of(planned: &PlannedRun, scene: &str, run: &Run) -> Self {
+        let (stats, engine) = (&run.stats, &planned.engine);
         let error = run.uncertainty.as_ref().and_then(|u| u.error);
-        let mut record = Self {
-            engine: engine.name().to_owned(),
-            engine_version: engine.version(),
-            engine_build: engine.build(),
-            pinwheel_version: env!("CARGO_PKG_VERSION").to_owned(),
-            program: SOURCES.to_owned(),
-            scene: scene.to_owned(),
+        let outcome = Outcome {
             window_s: planned.window_s,
-            ending: run.ending.clone(),
-            time_series: None,
-            figures: BTreeMap::new(),
-            quantities: Vec::new(),
-            balances: BTreeMap::new(),
             efficiency: None,
             efficiency_accounted: None,
-            undefined: Vec::new(),
             energy_remainder_share: None,
             steps: stats.steps,
             rhs_calls: stats.rhs_calls,
             uncertainty: error.map(|e| [e.forces, e.driver_torque]),
-            notes: stats.notes.clone(),
             wall_s: stats.wall_s,
             cpu_s: stats.cpu_s,
+        };
+        let mut record = Self {
+            engine_version: engine.version(),
+            engine_build: engine.build(),
+            scene: scene.to_owned(),
+            notes: stats.notes.clone(),
+            ..Self::bare(engine.name(), run.ending.clone(), outcome)
         };
         if run.ending.is_finished() {
             record.add_figures(planned, run);
         }
         record
+    }
+
+    /// Returns the record of an outcome without figures, by this program.
+    pub(super) fn bare(engine: &str, ending: Ending, outcome: Outcome) -> Self {
+        Self {
+            engine: engine.to_owned(),
+            engine_version: String::new(),
+            engine_build: String::new(),
+            pinwheel_version: env!("CARGO_PKG_VERSION").to_owned(),
+            program: SOURCES.to_owned(),
+            scene: String::new(),
+            time_series: None,
+            figures: BTreeMap::new(),
+            quantities: Vec::new(),
+            balances: BTreeMap::new(),
+            undefined: Vec::new(),
+            notes: Vec::new(),
+            ending,
+            outcome,
+        }
     }
 
     /// Adds the figures of a complete run.
@@ -141,8 +163,8 @@ impl RunRecord {
             }
         }
         let share = run.stats.energy.last().map(|audit| audit.remainder_share);
-        self.energy_remainder_share = share.flatten().filter(|share| share.is_finite());
-        if share.is_some() && self.energy_remainder_share.is_none() {
+        self.outcome.energy_remainder_share = share.flatten().filter(|share| share.is_finite());
+        if share.is_some() && self.outcome.energy_remainder_share.is_none() {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
         }
@@ -163,7 +185,7 @@ impl RunRecord {
             }
             Ok(plain) => {
                 let losses = account.and_then(Efficiency::of);
-                self.efficiency_accounted = losses.map(|account| account.of_losses);
+                self.outcome.efficiency_accounted = losses.map(|account| account.of_losses);
                 let defined = match losses {
                     Some(account) => account.defined(),
                     None if !planned.scene.rubs() => Err(NO_LOSS.to_owned()),
@@ -171,33 +193,18 @@ impl RunRecord {
                     None => Ok(plain),
                 };
                 match defined {
-                    Ok(defined) => self.efficiency = Some(defined),
+                    Ok(defined) => self.outcome.efficiency = Some(defined),
                     Err(reason) => self.undefined.push(format!("efficiency {reason}")),
                 }
             }
         }
     }
 
-    /// Returns the reason for empty cells in its row; empty if there are none.
-    pub fn reason(&self) -> String {
-        match &self.ending {
-            Ending::Finished => self.undefined.join("; "),
-            ending => ending.reason().unwrap_or_default(),
-        }
-    }
-
-    /// Returns the uncertainty of a column's figure from sampling; `None` if it is no figure of samples.
-    pub fn sampling(&self, column: &str) -> Option<f64> {
-        let (figure, quantity) = column.split_once('_')?;
-        let (_, of) = FIGURES.iter().find(|(name, _)| *name == figure)?;
-        self.figures.get(quantity)?.sampling.as_ref().map(of)
-    }
-
     /// Returns all inputs of the figures, as text: records with equal identity have equal figures.
     pub fn identity(&self) -> String {
         let made_by = (&*self.engine, &*self.engine_version, &*self.engine_build);
         let program = (&*self.pinwheel_version, &*self.program);
-        identity(made_by, program, self.window_s, &self.scene)
+        identity(made_by, program, self.outcome.window_s, &self.scene)
     }
 }
 

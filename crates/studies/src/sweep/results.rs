@@ -6,14 +6,14 @@ use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Mark, Table, Values};
 
 use crate::sweep::axis::Value;
-use crate::sweep::record::RunRecord;
+use crate::sweep::row::Row;
 use crate::sweep::spread::FIGURES;
 use crate::sweep::{Limit, Plan, statics};
 
 /// Column that is 1 if a run is within the specification, else 0.
 const WITHIN: &str = "within_specification";
 
-type FigureOfRun = fn(&RunRecord) -> Option<f64>;
+type FigureOfRun = fn(Row<'_>) -> Option<f64>;
 
 /// Figures of a run without a channel.
 const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
@@ -25,37 +25,36 @@ const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
     ("energy_remainder_share", |r| r.energy_remainder_share),
 ];
 
-fn diverged_at_s(record: &RunRecord) -> Option<f64> {
-    match record.ending {
+fn diverged_at_s(row: Row<'_>) -> Option<f64> {
+    match row.ending() {
         Ending::Diverged { time_s, .. } => Some(time_s),
         _ => None,
     }
 }
 
-/// Returns the results of all runs in the plan's order, which does not depend on the number of threads.
-pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
+/// Returns the results of all runs, or of the first ones, in the plan's order, which does not depend on the number of threads.
+pub fn results(plan: &Plan, rows: &[Row<'_>]) -> Table {
     // For people columns have their names in files; least and largest values are left out, as the peak covers them.
     let mut table = Table::of(
         "Every run: what was varied, how it ended, and its figures over the window",
-        plan.runs.iter().zip(records),
+        rows.iter().enumerate(),
     )
-    .whole("run", "run", |(run, _)| Some(run.number))
-    .text("engine", "engine", |(run, _)| &run.engine);
+    .whole("run", "run", |(run, _)| Some(run + 1))
+    .text("engine", "engine", |(_, row)| row.engine()[0]);
     for (place, key) in plan.keys().enumerate() {
-        table = table
-            .column(key, key, varied(plan, place))
-            .said(|(run, _)| run.values[place].1.to_string());
+        let values = (0..rows.len()).map(|run| plan.values(run)[place]);
+        table = table.column(key, key, varied(&values.collect::<Vec<_>>()));
     }
     table = table
-        .text("status", "status", |(_, record)| record.ending.word())
-        .marked(|(_, record)| Mark::bad(!record.ending.is_finished()));
+        .text("status", "status", |(_, row)| row.ending().word())
+        .marked(|(_, row)| Mark::bad(!row.is_finished()));
     for (name, of) in FIGURES_OF_RUNS {
-        table = table.number(name, name, |(_, record)| of(record));
+        table = table.number(name, name, |(_, row)| of(**row));
     }
     table = table
-        .whole("steps", "steps", |(_, record)| Some(record.steps))
-        .whole("rhs_calls", "rhs_calls", |(_, r)| Some(r.rhs_calls));
-    for quantity in quantities(plan, records) {
+        .whole("steps", "steps", |(_, row)| Some(row.steps))
+        .whole("rhs_calls", "rhs_calls", |(_, row)| Some(row.rhs_calls));
+    for quantity in quantities(plan, rows) {
         for (figure, of) in FIGURES {
             let name = format!("{figure}_{quantity}");
             let label = if matches!(figure, "min" | "max") {
@@ -63,46 +62,40 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
             } else {
                 &name
             };
-            table = table.number(&name, label, |(_, record)| {
-                Some(of(&record.figures.get(quantity)?.statistics))
+            table = table.number(&name, label, |(_, row)| {
+                Some(of(&row.figure(quantity)?.statistics))
             });
         }
     }
     for FigureDef { key, .. } in statics::columns() {
         let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, &key));
-        if wanted && records.iter().any(|r| r.balances.contains_key(&*key)) {
-            table = table.number(&key, &key, |(_, r)| r.balances.get(&*key).copied());
+        if wanted && rows.iter().any(|row| row.balance(&key).is_some()) {
+            table = table.number(&key, &key, |(_, row)| row.balance(&key));
         }
     }
     let limits = &plan.sweep.specification;
     if !limits.is_empty() {
         let so_far = table.so_far();
-        let kept = (0..records.len()).map(|row| Some(i64::from(keeps(so_far, limits, row))));
+        let kept = (0..rows.len()).map(|row| Some(i64::from(keeps(so_far, limits, row))));
         let kept = Values::Whole(kept.collect());
         table = table.column(WITHIN, WITHIN, kept);
     }
-    table
-        .text("reason", "", |(_, record)| record.reason())
-        .done()
+    table.text("reason", "", |(_, row)| row.reason()).done()
 }
 
-/// Returns the records of runs that did not finish, without those whose sampled values make no gear.
-pub fn broken<'a>(
-    plan: &'a Plan,
-    records: &'a [RunRecord],
-) -> impl Iterator<Item = &'a RunRecord> + Clone {
-    let runs = plan.runs.iter().zip(records);
-    let broken = runs.filter(|(run, record)| run.refused.is_none() && !record.ending.is_finished());
-    broken.map(|(_, record)| record)
+/// Returns the runs that did not finish, without those whose sampled values make no gear.
+pub fn broken<'a>(rows: &[Row<'a>]) -> impl Iterator<Item = Row<'a>> + Clone {
+    let broken = |row: &Row<'_>| row.is_gear() && !row.is_finished();
+    rows.iter().copied().filter(broken)
 }
 
 /// Returns the cost of each run. It is no part of the results, which repeat to the bit.
-pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
-    Table::of("What each run cost", plan.runs.iter().zip(records))
-        .whole("run", "run", |(run, _)| Some(run.number))
-        .text("engine", "engine", |(run, _)| &run.engine)
-        .number("wall_s", "wall_s", |(_, record)| record.wall_s)
-        .number("cpu_s", "cpu_s", |(_, record)| record.cpu_s)
+pub fn costs(rows: &[Row<'_>]) -> Table {
+    Table::of("What each run cost", rows.iter().enumerate())
+        .whole("run", "run", |(run, _)| Some(run + 1))
+        .text("engine", "engine", |(_, row)| row.engine()[0])
+        .number("wall_s", "wall_s", |(_, row)| row.wall_s)
+        .number("cpu_s", "cpu_s", |(_, row)| row.cpu_s)
         .done()
 }
 
@@ -112,10 +105,10 @@ pub(super) fn keeps(table: &Table, limits: &[Limit], row: usize) -> bool {
     limits.iter().all(holds)
 }
 
-/// Returns the quantities of the records that the sweep measures, in order of their first appearance.
-fn quantities<'a>(plan: &Plan, records: &'a [RunRecord]) -> Vec<&'a str> {
+/// Returns the quantities that the sweep measures, in order of their first appearance.
+fn quantities<'a>(plan: &Plan, rows: &[Row<'a>]) -> Vec<&'a str> {
     let mut list: Vec<&str> = Vec::new();
-    for name in records.iter().flat_map(|record| &record.quantities) {
+    for name in rows.iter().flat_map(|row| row.quantities()) {
         let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, name));
         if wanted && !list.contains(&name.as_str()) {
             list.push(name);
@@ -125,8 +118,7 @@ fn quantities<'a>(plan: &Plan, records: &'a [RunRecord]) -> Vec<&'a str> {
 }
 
 /// Returns the column of a varied key, of numbers if all its values are numbers.
-fn varied(plan: &Plan, place: usize) -> Values {
-    let values: Vec<&Value> = plan.runs.iter().map(|run| &run.values[place].1).collect();
+fn varied(values: &[&Value]) -> Values {
     let whole = |value: &&Value| match value {
         Value::Whole(x) => Some(*x),
         _ => None,

@@ -21,7 +21,7 @@ use pinwheel_timeseries::table::{Table, Values};
 
 use super::results::keeps;
 use super::statics::definition;
-use super::{Limit, Plan, Value};
+use super::{Limit, Plan};
 
 /// Confidence of all intervals.
 const CONFIDENCE: f64 = 0.95;
@@ -128,14 +128,15 @@ pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
     let block = engines * sample.points;
     let limits = &plan.sweep.specification;
     let mut all = Vec::new();
-    for first in (0..plan.runs.len()).step_by(block.max(1)) {
-        for engine in 0..engines {
-            let rows: Vec<usize> = (first + engine..first + block).step_by(engines).collect();
-            let Some(run) = rows.first().and_then(|&row| plan.runs.get(row)) else {
-                continue;
-            };
+    for first in (0..plan.len()).step_by(block) {
+        for engine in first..first + engines {
+            let rows: Vec<usize> = (engine..first + block).step_by(engines).collect();
             let sampled = |key: &str| sample.keys.iter().any(|(known, _)| known == key);
-            let others = run.values.iter().filter(|(key, _)| !sampled(key));
+            let others = plan.keys().zip(plan.values(engine));
+            let others = others.filter(|(key, _)| !sampled(key));
+            let name = table
+                .column("engine")
+                .and_then(|all| all.values.words(engine));
             let inputs = inputs(plan, &rows, sampled);
             let columns = table.columns.iter();
             let figures = columns.filter_map(|column| match &column.values {
@@ -146,9 +147,9 @@ pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
                 _ => None,
             });
             all.push(SampleResult {
-                engine: run.engine.clone(),
+                engine: name.unwrap_or_default().to_owned(),
                 varied: others
-                    .map(|(key, value)| (key.clone(), value.to_string()))
+                    .map(|(key, value)| (key.to_owned(), value.to_string()))
                     .collect(),
                 runs: rows.len(),
                 figures: figures.collect(),
@@ -191,14 +192,13 @@ pub fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
 type Input = (String, Vec<Vec<f64>>);
 
 fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<Input> {
-    let values = plan.runs[rows[0]].values.iter().enumerate();
-    let places = values.filter(|(_, (key, _))| sampled(key));
-    let input = |(place, (key, _)): (usize, &(String, Value))| {
-        let at = |&row: &usize| plan.runs[row].values[place].1.numbers();
+    let places = plan.keys().enumerate().filter(|(_, key)| sampled(key));
+    let input = |(place, key): (usize, &str)| {
+        let at = |&row: &usize| plan.values(row)[place].numbers();
         let lists: Vec<Vec<f64>> = rows.iter().map(at).collect();
         let columns = lists.iter().map(Vec::len).min().unwrap_or(0);
         let column = |k: usize| lists.iter().map(|list| list[k]).collect();
-        (key.clone(), (0..columns).map(column).collect())
+        (key.to_owned(), (0..columns).map(column).collect())
     };
     places.map(input).collect()
 }

@@ -57,12 +57,31 @@ fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
     }
 }
 
+/// Costs known before a comparison.
+#[derive(Clone, Copy, PartialEq)]
+enum Costs {
+    /// Usual ones.
+    Usual,
+    /// Kept ones of the scene, which are the usual ones of `paper`: from 1.6 to 2.9 times as fast as in its course.
+    Kept,
+    /// Kept ones of the scene, as in its course.
+    Same,
+}
+
 /// Share of the duration from a third on at which time left is shown, and the largest factor by which it is off.
-fn replayed((lanes, end_s): (&[Lane], f64)) -> (f64, f64) {
+fn replayed((lanes, end_s): (&[Lane], f64), costs: Costs) -> (f64, f64) {
     let (mut foretold, mut shown, mut all, mut worst) = (Foretold::default(), 0.0, 0.0, 1.0_f64);
     for step in 1..400 {
         let now_s = end_s * f64::from(step) / 400.0;
-        let now: Vec<Outlook> = lanes.iter().map(|lane| at(lane, now_s)).collect();
+        let now = lanes.iter().map(|lane| Outlook {
+            measured: costs != Costs::Usual,
+            usual_s: match costs {
+                Costs::Same => lane.2.iter().map(|(took_s, _)| took_s).sum(),
+                _ => lane.0,
+            },
+            ..at(lane, now_s)
+        });
+        let now: Vec<Outlook> = now.collect();
         let left = foretold.steady(left_s(&now, 2, now_s), now_s);
         if step < 134 {
             continue;
@@ -79,9 +98,15 @@ fn replayed((lanes, end_s): (&[Lane], f64)) -> (f64, f64) {
 
 #[test]
 fn regress_time_left_is_right_within_a_factor_from_a_third_on() {
-    // Of many engines one after the other it is shown 0 of the time, of few 0.56, by at most 1.03.
-    for (of, least) in [(PAPER, 0.0), (NEEDLES, 0.4)] {
-        let (shown, worst) = replayed(of);
+    // Of many engines one after the other it is shown 0 of the time on a new scene and 0.59, by at most 1.32, where costs are kept; of
+    // few 0.56, by at most 1.03, and 0.75, by 1.04.
+    for (of, costs, least) in [
+        (PAPER, Costs::Usual, 0.0),
+        (PAPER, Costs::Kept, 0.5),
+        (NEEDLES, Costs::Usual, 0.4),
+        (NEEDLES, Costs::Same, 0.6),
+    ] {
+        let (shown, worst) = replayed(of, costs);
         assert!(shown >= least && worst < 1.5, "{shown} {worst}");
     }
 }

@@ -8,9 +8,7 @@ use crate::study::{
 use crate::table::named;
 use pinwheel_compare::quantities;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::sweep::{
-    self, Axis, Plan, RunRecord, STATICS, SampleResult, Value, definition,
-};
+use pinwheel_studies::sweep::{self, Axis, Plan, Row, STATICS, SampleResult, Value, definition};
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Column, Table, Values};
 
@@ -25,8 +23,8 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
-    let unfinished = sweep::broken(plan, records).count();
+pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> String {
+    let unfinished = sweep::broken(rows).count();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
     let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
@@ -36,12 +34,12 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         true => varied.join(" x "),
         false => format!("samples of {}", varied.join(", ")),
     };
-    let runs_done = records.len();
+    let runs_done = rows.len();
     let mut lead = match sweep.description.as_str() {
         "" => format!("{runs_done} runs of the scene {} over {over}.", sweep.scene),
         description => description.to_owned(),
     };
-    let idle = sweep::idle(plan, records);
+    let idle = sweep::idle(plan, rows);
     if !idle.is_empty() {
         let idle = idle.join(", ");
         lead += &format!(
@@ -52,17 +50,18 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     if !sampled.is_empty() {
         sections.push(tolerances::section(plan, table, &sampled));
     }
-    let grid = grid(plan, records, table);
+    // Over random values there is no line to draw.
+    let most = if sampled.is_empty() { MOST_FIGURES } else { 1 };
+    let grid = grid(plan, rows, table, most);
     let answer = answer(&grid, plan);
     let decision = decision(plan, &sampled, grid.figures.first());
-    // Over random values there is no line to draw.
     if sampled.is_empty()
         && !grid.figures.is_empty()
         && grid.axes.iter().any(|axis| axis.values.len() > 1)
     {
         sections.push(Section::new("figures", "Figures").with(Block::Grid(grid)));
     }
-    let all = Section::new("runs", "Runs").with(runs(plan, table));
+    let all = Section::new("runs", "Runs").with(runs(plan, rows));
     // Folded if other sections come before.
     sections.push(match sections.is_empty() {
         true => all,
@@ -71,14 +70,15 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     let file = Block::Code(sweep.text.trim_end().to_owned());
     let file = Section::new("sweep", "Sweep file").with(file);
     sections.push(file.folded("What was asked for"));
-    let versions = records.iter();
-    let versions = versions.map(|record| (record.engine.clone(), record.engine_version.clone()));
+    let versions = rows
+        .iter()
+        .map(|row| row.engine().map(str::to_owned).into());
     let lost = (unfinished > 0).then(|| Verdict {
         tone: Tone::Bad,
         headline: format!("{unfinished} of {runs_done} runs did not finish"),
         detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
     });
-    let cpu = seconds(records.iter().map(|record| record.cpu_s).sum());
+    let cpu = seconds(rows.iter().map(|row| row.cpu_s).sum());
     let mut tiles = vec![
         Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
         Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
@@ -167,7 +167,7 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
         true => format!("{name}: no trend beyond what the runs may be off by"),
         false => format!("{name}: {from} to {to}{unit}"),
     };
-    let (least, most, runs) = (at(least), at(most), plan.runs.len());
+    let (least, most, runs) = (at(least), at(most), plan.len());
     Some(Verdict {
         tone: Tone::Neutral,
         headline,
@@ -177,12 +177,15 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
 
 /// Returns the simulated time of all runs, s; balances have none.
 fn simulated_s(plan: &Plan) -> f64 {
-    let moving = plan.runs.iter().filter(|run| run.engine != STATICS);
-    moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
+    let engines = plan.sweep.engines.iter().cycle();
+    let moving = (0..plan.len())
+        .zip(engines)
+        .filter(|(_, engine)| *engine != STATICS);
+    moving.fold(0.0, |sum, (run, _)| sum + plan.duration_s(run))
 }
 
 /// Returns heading and unit of a column, if it is a figure.
-fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
+fn heading(name: &str, rows: &[Row<'_>]) -> Option<(String, String)> {
     let share = match name {
         "efficiency" => Some("Efficiency"),
         "efficiency_accounted" => Some("Efficiency by what is lost"),
@@ -191,7 +194,7 @@ fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     if let Some(words) = share {
         return Some((words.to_owned(), String::new()));
     }
-    if records.iter().any(|r| r.balances.contains_key(name)) {
+    if rows.iter().any(|row| row.balance(name).is_some()) {
         let FigureDef { label, unit, .. } = definition(name);
         return Some((label.into_owned(), unit.into_owned()));
     }
@@ -202,19 +205,18 @@ fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
 }
 
 /// Returns a column of differing numbers as a figure.
-fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
+fn figure(column: &Column, rows: &[Row<'_>]) -> Option<GridFigure> {
     let Values::Number(values) = &column.values else {
         return None;
     };
-    let (label, unit) = heading(&column.name, records)?;
+    let (label, unit) = heading(&column.name, rows)?;
     let mut present = values.iter().flatten();
     let first = present.next()?;
     present.find(|value| *value != first)?;
     let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
     let scaled = |value: &Option<f64>| value.map(|v| factor * v);
-    let off = records.iter().zip(values);
-    let off =
-        off.map(|(record, value)| Some(factor * uncertainty(record, &column.name, (*value)?)?));
+    let off = rows.iter().zip(values);
+    let off = off.map(|(row, value)| Some(factor * uncertainty(*row, &column.name, (*value)?)?));
     Some(GridFigure {
         label: named(&label, &unit),
         values: values.iter().map(scaled).collect(),
@@ -228,8 +230,8 @@ fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// Returns a grid of the varied keys, and of several engines, with every figure that differs between runs.
-fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
+/// Returns a grid of the varied keys, and of several engines, with the first `most` figures that differ between runs.
+fn grid(plan: &Plan, rows: &[Row<'_>], table: &Table, most: usize) -> Grid {
     let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
     let engines = &plan.sweep.engines;
     if engines.len() > 1 {
@@ -250,10 +252,10 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
         _ => 4,
     });
     let columns = columns.into_iter();
-    let figures = columns.filter_map(|column| figure(column, records));
+    let figures = columns.filter_map(|column| figure(column, rows));
     Grid {
-        figures: figures.take(MOST_FIGURES).collect(),
-        runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
+        figures: figures.take(most).collect(),
+        runs: (0..plan.len()).map(|run| plan.places(run)).collect(),
         axes,
     }
 }
@@ -296,13 +298,13 @@ fn axis(axis: &Axis) -> GridAxis {
 
 /// Returns the uncertainty of a figure: the engine's own, that of sampling, and for means the effect of the window's
 /// position.
-fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
+fn uncertainty(row: Row<'_>, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
-    let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
+    let [forces, driver] = row.uncertainty.unwrap_or([f64::NAN; 2]);
     let share = if torque { driver } else { forces };
-    let numerical = value.abs() * share + record.sampling(column).unwrap_or(0.0);
+    let numerical = value.abs() * share + row.sampling(column).unwrap_or(0.0);
     let mean_of = column.strip_prefix("mean_");
-    let spread = mean_of.and_then(|quantity| record.figures.get(quantity));
+    let spread = mean_of.and_then(|quantity| row.figure(quantity));
     let drift = spread.map_or(f64::NAN, |spread| spread.drift);
     // Unknown parts add nothing; without any the result is unknown.
     let parts = [numerical, drift].into_iter();
@@ -310,18 +312,22 @@ fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
 }
 
 /// Returns the table of runs.
-fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
-    let all = table.len();
-    let reasons: Vec<String> = (0..all.min(MOST_ROWS))
-        .filter_map(|row| {
-            let reason = table.column("reason")?.values.words(row)?;
-            Some(format!("Run {}: {reason}", row + 1))
-        })
-        .collect();
-    let mut shown = table.clone().rows(|row| row < MOST_ROWS).without_empty();
+fn runs(plan: &Plan, rows: &[Row<'_>]) -> Vec<Block> {
+    let all = rows.len();
+    let first = &rows[..all.min(MOST_ROWS)];
+    let reasons = first.iter().enumerate().filter_map(|(run, row)| {
+        let reason = Some(row.reason()).filter(|reason| !reason.is_empty())?;
+        Some(format!("Run {}: {reason}", run + 1))
+    });
+    let reasons: Vec<String> = reasons.collect();
+    let mut shown = sweep::results(plan, first).without_empty();
     // Figures are shaded from the column's least to its largest.
-    let varied = |name: &str| plan.keys().any(|key| key == name);
     for column in &mut shown.columns {
+        if let Some(place) = plan.keys().position(|key| key == column.name) {
+            let said = |run: usize| Some(plan.values(run)[place].to_string());
+            column.said = (0..first.len()).map(said).collect();
+            continue;
+        }
         let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();
         let figure = prefixes.any(|prefix| column.name.starts_with(prefix));
         let Values::Number(values) = &column.values else {
@@ -330,7 +336,7 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
         let there = || values.iter().flatten().copied();
         let low = there().fold(f64::INFINITY, f64::min);
         let high = there().fold(f64::NEG_INFINITY, f64::max);
-        if figure && high > low && !varied(&column.name) {
+        if figure && high > low {
             let shade = |value: &Option<f64>| value.map(|v| 0.6 * (v - low) / (high - low));
             column.shades = values.iter().map(shade).collect();
         }

@@ -2,7 +2,8 @@
 
 use crate::format::joined;
 use crate::terminal::{self, BAD, pairs, styled, titled};
-use pinwheel_studies::sweep::{self, Plan, RunRecord};
+use pinwheel_studies::StudyError;
+use pinwheel_studies::sweep::{self, Plan, Row};
 use pinwheel_timeseries::table::{Shown, Table};
 use pinwheel_timeseries::{Ending, columns};
 
@@ -21,21 +22,27 @@ const SHOWN: [(&str, &str, &str); 3] = [
 ];
 
 /// Returns the list of planned runs.
-pub fn list(plan: &Plan) -> String {
-    let mut table = Table::of("", &plan.runs)
-        .whole("", "run", |run| Some(run.number))
-        .text("", "engine", |run| &run.engine);
+///
+/// # Errors
+/// A run that cannot be made.
+pub fn list(plan: &Plan) -> Result<String, StudyError> {
+    let engines = (0..plan.len()).map(|run| Ok(plan.run(run)?.engine.name().to_owned()));
+    let engines = engines.collect::<Result<Vec<String>, StudyError>>()?;
+    let mut table = Table::of("", engines.iter().enumerate())
+        .whole("", "run", |(run, _)| Some(run + 1))
+        .text("", "engine", |(_, engine)| *engine);
     for (place, key) in plan.keys().enumerate() {
-        table = table.text("", key, |run| run.values[place].1.to_string());
+        table = table.text("", key, |(run, _)| plan.values(*run)[place].to_string());
     }
-    titled(&plan.sweep.name, [terminal::table(&table.done())])
+    Ok(titled(&plan.sweep.name, [terminal::table(&table.done())]))
 }
 
-/// Returns endings of the runs and paths of the results; `files`: pairs of label and path.
-pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
+/// Returns endings of the runs and paths of the results; `table`: [its results](pinwheel_studies::sweep::results), `files`: pairs of
+/// label and path.
+pub fn text(plan: &Plan, rows: &[Row<'_>], table: &Table, files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
-        let all = records.iter();
-        all.filter(|record| record.ending.word() == wanted).count()
+        let all = rows.iter();
+        all.filter(|row| row.ending().word() == wanted).count()
     };
     let mut runs = vec![format!("{} finished", count("finished"))];
     for word in &Ending::WORDS[1..] {
@@ -43,10 +50,10 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             runs.push(styled(BAD, &format!("{} {word}", count(word))));
         }
     }
-    let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
+    let cpu: f64 = rows.iter().map(|row| row.cpu_s).sum();
     let simulated_s = simulated_s(plan);
     let row = |label: &str, value: String| (label.to_owned(), value);
-    let mut rows = vec![
+    let mut said = vec![
         row("runs", runs.join(", ")),
         row("varied", joined(", ", plan.keys())),
         row(
@@ -54,59 +61,57 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             format!("{cpu:.1} s CPU for {simulated_s:.3} s simulated"),
         ),
     ];
-    let mut refused = plan.runs.iter().filter_map(|run| run.refused.as_ref());
+    let mut refused = rows.iter().filter(|row| !row.is_gear());
     let none = refused.clone().count();
-    rows.extend(refused.next().map(|first| {
-        let all = records.len();
-        row(
-            "no gear",
-            format!("{none} of {all} runs, lost yield; the first: {first}"),
-        )
-    }));
-    let idle = sweep::idle(plan, records);
+    if let Some(Ending::Unsupported { reason }) = refused.next().map(|row| row.ending()) {
+        let all = rows.len();
+        let words = format!("{none} of {all} runs, lost yield; the first: {reason}");
+        said.push(row("no gear", words));
+    }
+    let idle = sweep::idle(plan, rows);
     if !idle.is_empty() {
         let words = format!("{} on this scene: runs equal to the bit", idle.join(", "));
-        rows.push(row("no effect", words));
+        said.push(row("no effect", words));
     }
-    let moving = || records.iter().filter(|r| !r.figures.is_empty());
-    if moving().next().is_some() && moving().all(|record| record.uncertainty.is_none()) {
+    let moving = || rows.iter().filter(|row| !row.quantities().is_empty());
+    if moving().next().is_some() && moving().all(|row| row.uncertainty.is_none()) {
         let remedy = "not known; solver.integrator = \"auto\" verifies every run";
-        rows.push(row("numerical error", remedy.to_owned()));
+        said.push(row("numerical error", remedy.to_owned()));
     }
-    let sampled = sweep::tolerances(plan, &sweep::results(plan, records));
+    let sampled = sweep::tolerances(plan, table);
     for found in &sampled {
         if sampled.len() > 1 {
-            rows.push(row("sample", tolerances::place(found)));
+            said.push(row("sample", tolerances::place(found)));
         }
         if let Some(of) = &found.yielded {
-            rows.push(row("yield", tolerances::yield_in_words(of)));
+            said.push(row("yield", tolerances::yield_in_words(of)));
         }
         let shown = tolerances::shown(plan, found).into_iter();
         for figure in shown.take(MOST_FIGURES) {
             let name = tolerances::in_full(&figure.def);
-            rows.push(row(&name, tolerances::in_words(figure)));
+            said.push(row(&name, tolerances::in_words(figure)));
         }
     }
     let result = match sampled.is_empty() {
-        true => result(plan, records),
+        true => result(plan, rows),
         false => String::new(),
     };
-    rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
-    titled(&plan.sweep.name, [result, pairs(rows)])
+    said.extend(files.iter().map(|(word, place)| row(word, place.clone())));
+    titled(&plan.sweep.name, [result, pairs(said)])
 }
 
 /// Returns a table of the varied keys and the largest forces and mean torque of each run, or of the first ones.
-fn result(plan: &Plan, records: &[RunRecord]) -> String {
-    let rows = plan.runs.iter().zip(records).take(MOST_RUNS);
-    let mut table = Table::of("", rows).text("", "engine", |(run, _)| &run.engine);
+fn result(plan: &Plan, rows: &[Row<'_>]) -> String {
+    let first = rows.iter().enumerate().take(MOST_RUNS);
+    let mut table = Table::of("", first).text("", "engine", |(_, row)| row.engine()[0]);
     for (place, key) in plan.keys().enumerate() {
         // The last part of a key is the label; the full key is below.
         let label = key.rsplit('.').next().unwrap_or(key);
-        table = table.text("", label, |(run, _)| run.values[place].1.to_string());
+        table = table.text("", label, |(run, _)| plan.values(*run)[place].to_string());
     }
     for (word, quantity, label) in SHOWN {
-        let value = |record: &RunRecord| {
-            let statistics = record.figures.get(quantity)?.statistics;
+        let value = |row: Row<'_>| {
+            let statistics = row.figure(quantity)?.statistics;
             Some(match word {
                 "mean" => statistics.mean,
                 _ => statistics.peak,
@@ -114,11 +119,11 @@ fn result(plan: &Plan, records: &[RunRecord]) -> String {
         };
         let column = format!("{word}_{quantity}");
         table = table
-            .number("", label, |(_, record)| value(record))
+            .number("", label, |(_, row)| value(**row))
             .shown(Shown::Digits(5))
-            .uncertain(|(_, record)| uncertainty(record, &column, value(record)?));
+            .uncertain(|(_, row)| uncertainty(**row, &column, value(**row)?));
     }
-    let more = match records.len().saturating_sub(MOST_RUNS) {
+    let more = match rows.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
         more => format!("and {more} more in the results\n"),
     };
