@@ -98,29 +98,17 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let mut own = at(2.0 * SLOW_WITH_FRICTION)?;
     let angles = own.angle_arcmin.iter_mut().zip(&faster.angle_arcmin);
     angles.for_each(|(own, faster)| *own += *own - faster);
-    let at_rest = |own: Option<f64>, faster: Option<f64>, off: Option<f64>| {
-        let change = own? - faster?;
-        Some((own? + change, off? + change.abs()))
-    };
-    let lost = at_rest(
-        own.lost_motion_arcmin,
-        faster.lost_motion_arcmin,
-        own.lost_motion_uncertainty_arcmin,
-    );
-    let width = at_rest(
-        own.width_arcmin,
-        faster.width_arcmin,
-        own.width_uncertainty_arcmin,
-    );
-    let (lost_motion_arcmin, lost_motion_uncertainty_arcmin) = lost.unzip();
-    let (width_arcmin, width_uncertainty_arcmin) = width.unzip();
-    Ok(Cycle {
-        lost_motion_arcmin,
-        lost_motion_uncertainty_arcmin,
-        width_arcmin,
-        width_uncertainty_arcmin,
-        ..own
-    })
+    let lost = &mut own.lost_motion_uncertainty_arcmin;
+    let width = &mut own.width_uncertainty_arcmin;
+    for (value, off, faster) in [
+        (&mut own.lost_motion_arcmin, lost, faster.lost_motion_arcmin),
+        (&mut own.width_arcmin, width, faster.width_arcmin),
+    ] {
+        let change = value.zip(faster).map(|(own, faster)| own - faster);
+        *value = value.zip(change).map(|(own, change)| own + change);
+        *off = off.zip(change).map(|(off, change)| off + change.abs());
+    }
+    Ok(own)
 }
 
 /// Runs the loop with ramps of so many periods of the slowest mode; `rub`: the bearings of a gear on whose loop friction acts.
