@@ -81,6 +81,7 @@ pub use provenance::Provenance;
 /// Private items for the tests of this crate.
 #[doc(hidden)]
 pub mod internals {
+    pub use crate::balances::branches::hysteresis;
     pub use crate::balances::poses::{MOST, MOST_OF_ALL, Poses};
     pub use crate::baseline::cases::sets;
     pub use crate::baseline::judge::{case, cost, quantity};

@@ -21,8 +21,8 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let to_screen = args.file == Path::new("-");
     let stem = args.file.file_stem().filter(|_| !to_screen);
     let name = stem.map_or_else(|| "mine".into(), |stem| stem.to_string_lossy().into_owned());
-    let draft = args.catalogue(name)?.draft();
-    let draft = draft.map_err(|fault| by_flag(&fault))?;
+    let catalogue = args.catalogue(name)?;
+    let draft = catalogue.draft().map_err(|fault| by_flag(&fault))?;
     if to_screen {
         return screen::show(&draft.text);
     }
@@ -49,13 +49,14 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     for (path, text, ours) in files.iter().rev() {
         folder::replace(path, text.as_bytes(), ours)?;
     }
+    let weak = watched(|control| design::Limits::too_weak(&catalogue, control.cancel))?;
     let shown = |path: &Path| quoted(&path.display().to_string());
     let then = study.map_or_else(String::new, |_| {
         format!("\nthen    pinwheel sweep {}", shown(&place))
     });
     screen::show(&format!(
         "{}\nscene   {}\nnext    pinwheel design {}{then}",
-        pages::design::draft(&draft),
+        pages::design::draft(&draft, weak),
         args.file.display(),
         shown(&args.file)
     ))

@@ -10,7 +10,7 @@ use crate::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::{Draft, MANY};
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{DesignResult, Joint, Rest, Share};
+use pinwheel_studies::design::{DesignResult, Joint, Limits, Rest, Share};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use pinwheel_timeseries::table::{Shown, Table};
 
@@ -216,8 +216,9 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     titled(&found.scene.name, parts)
 }
 
-/// Returns the text for a terminal on a scene from catalogue data.
-pub fn draft(draft: &Draft) -> String {
+/// Returns the text for a terminal on a scene from catalogue data; `weak`: its limits where it does not bear its load, and how many times
+/// larger a pin circle does.
+pub fn draft(draft: &Draft, weak: Option<(Limits, Option<f64>)>) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);
     let mm = |metres: f64| format!("{} mm", number(1e3 * metres));
@@ -239,6 +240,14 @@ pub fn draft(draft: &Draft) -> String {
     let force = format!("{} N", number(of.external_force_estimate_n));
     let how = "external, rigid: 4 T/(e zs zk)";
     rows.push(row("largest pin force", force, how));
+    if let Some((limits, times)) = weak {
+        let (said, why) = answer(&limits);
+        let remedy = times.map_or_else(
+            || "give a larger diameter or a smaller torque".to_owned(),
+            |times| format!("a diameter {} times as large does", significant(times, 3)),
+        );
+        rows.push(row(limits::QUESTION, said, &format!("{why}; {remedy}")));
+    }
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));

@@ -117,7 +117,10 @@ impl Balances {
 }
 
 /// Widths of the loop of a load that rises and falls with the input locked, at these poses; none of a gear without friction.
-pub(crate) fn hysteresis(
+///
+/// # Errors
+/// Gears without a balance.
+pub fn hysteresis(
     statics: &mut Statics<'_>,
     poses: &Poses,
     working: f64,

@@ -2,16 +2,19 @@
 //!
 //! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
 //! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
-//! motions are those of the gear itself, but for friction, which now acts in full. Sleeves that rub on their pins stick and slip in
-//! turn, in steps too small for this, and a play is crossed late: then the loop is the slow one, whose friction fades. Bearings and
-//! seals alone leave a fast loop that damping widens by up to 17 %. The width of all these is by statics.
+//! motions are those of the gear itself, but for friction, which now acts in full. Two things then widen the loop, in proportion to the
+//! rate: damping, and near no load, where contacts are soft, mass. What swings is damped away, the load is slow near 0, and the figures
+//! of loops at two rates are extrapolated to rest. Sleeves that rub on their pins stick and slip in
+//! turn, in steps too small for this, and a play is crossed late: then the loop is the slow one, whose friction fades, and the width is
+//! by statics.
 
 use std::f64::consts::TAU;
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics;
-use pinwheel_scene::{LoadChange, Scales, Scene, Start, largest_hole_play, largest_play};
+use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::{Bearings, LoadChange, Scales, Scene, Start, largest_hole_play, largest_play};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
@@ -22,8 +25,13 @@ use crate::{Control, StudyError, single};
 
 /// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
 const SLOW: f64 = 300.0;
-/// Likewise of a gear on whose loop friction acts, which damps it.
-const SLOW_WITH_FRICTION: f64 = 120.0;
+/// Likewise of the faster loop of a gear on whose loop friction acts. The other takes twice as long.
+const SLOW_WITH_FRICTION: f64 = 84.0;
+/// Share of the rated torque within which that load is slower, and how many times: mass holds back less.
+const NEAR: f64 = 0.05;
+const SLOWER: f64 = 8.0;
+/// Factor of that gear's damping. With less than twice the damping the ramps' kinks ring on.
+const DAMPED: f64 = 4.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
@@ -42,13 +50,13 @@ const FASTEST_M_S: f64 = 1e3;
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
-    /// sleeves, bearings or seals rub, or where a gear that rubs has play; but of bearings and seals beside held pins it has one.
+    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` where sleeves rub, and
+    /// where a gear that rubs has play.
     pub width_arcmin: Option<f64>,
-    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, and half of the branches'
-    /// distances at both torques.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, the change by extrapolation, and half of
+    /// the branches' distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// Uncertainty of the width, arcmin: the first two of these.
+    /// Uncertainty of the width, arcmin: the first three of these.
     pub width_uncertainty_arcmin: Option<f64>,
     /// Ending of the run.
     pub status: &'static str,
@@ -58,7 +66,7 @@ pub struct Cycle {
     /// Load, N m, positive in the direction of the output's motion.
     #[serde(skip)]
     pub torque_n_m: Vec<f64>,
-    /// Output angle, arcmin.
+    /// Output angle, arcmin; extrapolated to rest where friction acts.
     #[serde(skip)]
     pub angle_arcmin: Vec<f64>,
     /// First sample of the closed loop; before it the load rises for the first time.
@@ -71,41 +79,85 @@ pub struct Cycle {
 /// # Errors
 /// Cancelled; a gear that cannot be compiled.
 pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
-    let mut scene = Scene::clone(&gearbox.scene);
-    let slow = statics::slow(scene.clone());
+    let slow = statics::slow(gearbox.scene.clone().into_scene());
     let fades = slow.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
-    let gear = &scene.gear;
-    let clearance = (scene.bearings.eccentric.as_ref()).and_then(|bearing| bearing.clearance_m);
+    let gear = &slow.gear;
+    let clearance = (slow.bearings.eccentric.as_ref()).and_then(|bearing| bearing.clearance_m);
     let play = largest_play(gear) + largest_hole_play(gear) + clearance.unwrap_or(0.0);
     // Play below this is rounding.
-    let acts = slow.rubs() && !fades && play < 1e-12;
-    let has_width = !slow.rubs() || acts && slow.slides();
-    let periods = if acts { SLOW_WITH_FRICTION } else { SLOW };
+    if !slow.rubs() || fades || play >= 1e-12 {
+        let mut own = looped(gearbox, rated, SLOW, None, control)?;
+        if slow.rubs() {
+            (own.width_arcmin, own.width_uncertainty_arcmin) = (None, None);
+        }
+        return Ok(own);
+    }
+    let rub = Some(&slow.bearings);
+    let at = |periods: f64| looped(gearbox, rated, periods, rub, control);
+    let faster = at(SLOW_WITH_FRICTION)?;
+    let mut own = at(2.0 * SLOW_WITH_FRICTION)?;
+    let angles = own.angle_arcmin.iter_mut().zip(&faster.angle_arcmin);
+    angles.for_each(|(own, faster)| *own += *own - faster);
+    let lost = &mut own.lost_motion_uncertainty_arcmin;
+    let width = &mut own.width_uncertainty_arcmin;
+    for (value, off, faster) in [
+        (&mut own.lost_motion_arcmin, lost, faster.lost_motion_arcmin),
+        (&mut own.width_arcmin, width, faster.width_arcmin),
+    ] {
+        let change = value.zip(faster).map(|(own, faster)| own - faster);
+        *value = value.zip(change).map(|(own, change)| own + change);
+        *off = off.zip(change).map(|(off, change)| off + change.abs());
+    }
+    Ok(own)
+}
+
+/// Runs the loop with ramps of so many periods of the slowest mode; `rub`: the bearings of a gear on whose loop friction acts.
+fn looped(
+    gearbox: &Gearbox,
+    rated: f64,
+    periods: f64,
+    rub: Option<&Bearings>,
+    control: &Control<'_>,
+) -> Result<Cycle, StudyError> {
+    let mut scene = Scene::clone(&gearbox.scene);
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
-    if acts {
+    if let Some(bearings) = rub {
         // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
-        scene.bearings = slow.bearings;
+        scene.bearings = bearings.clone();
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
     }
     let ramp = ramp_s(&scene);
-    let rest = REST * ramp;
-    let to = |time_s: f64, output_torque_n_m: f64, ramps: f64| LoadChange {
-        time_s,
-        output_torque_n_m,
-        ramp_s: ramps * ramp,
-    };
     scene.drive.input_speed_rad_s = 0.0;
     scene.drive.speed_changes.clear();
     scene.drive.output_torque_n_m = 0.0;
     scene.drive.load_ramp_s = 0.0;
+    scene.drive.load_changes.clear();
     scene.drive.start = Start::Kinematic;
-    scene.drive.load_changes = vec![
-        to(rest, rated, 1.0),
-        to(2.0 * rest + ramp, -rated, 2.0),
-        to(3.0 * rest + 3.0 * ramp, rated, 2.0),
-    ];
-    scene.solver.duration_s = 4.0 * rest + 5.0 * ramp;
+    // In ramps and shares of the rated torque.
+    let (mut now, mut load) = (0.0_f64, 0.0_f64);
+    let [mut first, mut down, mut up] = [[0.0_f64; 2]; 3];
+    for (end, span) in [(1.0_f64, &mut first), (-1.0, &mut down), (1.0, &mut up)] {
+        now += REST;
+        span[0] = now;
+        let corners = [-NEAR * end, NEAR * end, end];
+        for to in corners.into_iter().skip(if rub.is_some() { 0 } else { 2 }) {
+            let ahead = end * (to - load);
+            if ahead <= 0.0 {
+                continue;
+            }
+            let is_near = rub.is_some() && (load + to).abs() < 2.0 * NEAR;
+            let ramps = ahead * if is_near { SLOWER } else { 1.0 };
+            scene.drive.load_changes.push(LoadChange {
+                time_s: now * ramp,
+                output_torque_n_m: to * rated,
+                ramp_s: ramps * ramp,
+            });
+            (now, load) = (now + ramps, to);
+        }
+        span[1] = now;
+    }
+    scene.solver.duration_s = (now + REST) * ramp;
     scene.solver.sample_s = scene.solver.duration_s / (6.0 * SAMPLES);
     scene.solver.step_s = scene.solver.step_s.min(scene.solver.sample_s);
     scene.solver.integrator = "auto".to_owned();
@@ -120,8 +172,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
     let from = |t: f64| time_s.partition_point(|&at| at < t);
     // Branches of decreasing and of increasing load.
-    let down = from(2.0 * rest + ramp)..from(2.0 * rest + 3.0 * ramp) + 1;
-    let up = from(3.0 * rest + 3.0 * ramp)..from(3.0 * rest + 5.0 * ramp) + 1;
+    let [down, up] = [down, up].map(|[start, end]| from(start * ramp)..from(end * ramp) + 1);
     let whole = found.run.ending.is_finished();
     // Angles of both branches at a torque, with every `every`-th sample.
     let both = |torque: f64, every: usize| {
@@ -140,7 +191,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let width = |every: usize| apart(0.0, every).filter(|_| has_width);
+    let width = |every: usize| apart(0.0, every);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * (apart(LOST * rated, 1)? + apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
@@ -161,7 +212,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     })
 }
 
-/// Multiplies the times of a scene's motions by `s`.
+/// Multiplies the times of a scene's motions by `s`, and damps them more.
 fn hasten(scene: &mut Scene, s: f64) {
     let (mass, contact) = (&mut scene.mass, &mut scene.contact);
     for body in [
@@ -174,12 +225,16 @@ fn hasten(scene: &mut Scene, s: f64) {
         body.mass_kg = (s * s * body.mass_kg).max(LEAST[0]);
         body.moment_kg_m2 = (s * s * body.moment_kg_m2).max(LEAST[1]);
     }
-    contact.damping_n_s_m *= s;
+    contact.damping_n_s_m *= DAMPED * s;
     contact.impact_speed_m_s = (contact.impact_speed_m_s / s).min(FASTEST_M_S);
     let ramp = RAMP * SLIDES_RAD_S * scene.gear.eccentricity_m;
     contact.friction_ramp_m_s = contact.friction_ramp_m_s.min(ramp);
     if let Some(bearing) = &mut scene.bearings.eccentric {
         bearing.damping_n_s_m = bearing.damping_n_s_m.map(|damping| s * damping);
+    }
+    let law = BearingLaw::of(scene);
+    if let Some((bearing, law)) = scene.bearings.eccentric.as_mut().zip(law) {
+        bearing.damping_n_s_m = Some(DAMPED * law.damping_n_s_m);
     }
 }
 

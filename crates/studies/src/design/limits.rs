@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::catalogue::{Material, material};
+use pinwheel_scene::catalogue::{Catalogue, Material, material};
 use pinwheel_scene::{Held, Scene, Sleeve, derived};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use serde::Serialize;
@@ -26,7 +26,7 @@ use crate::balances::figures::{Balances, balanced, parted};
 use crate::balances::mesh::{Pair, Pose, Stage};
 use crate::balances::poses::Poses;
 use crate::balances::solve::{FEW, at_poses};
-use crate::band::{self, Bands};
+use crate::band::{self, Bands, intervals};
 
 /// Material with the limits of rolling bearings.
 const ROLLING: &str = "steel";
@@ -34,6 +34,10 @@ const ROLLING: &str = "steel";
 const ROLLING_MPA: [f64; 2] = [4000.0, 1500.0];
 /// Pressure of a line contact at which yield begins, over the yield strength.
 const YIELDS: f64 = 1.67;
+
+/// Most sizes that are tried for one that bears its load, and a factor of each beyond what its margin asks for.
+const SIZES: usize = 4;
+const LARGER: f64 = 1.02;
 
 /// Limit of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -342,6 +346,39 @@ impl Limits {
             bands.bound_all(&mut figures);
         }
         Ok(Some(Self::of(scene, &figures)))
+    }
+
+    /// Judges the gear of a catalogue's data with the largest of its clearances. Where it does not bear its load: its limits, and how many
+    /// times larger a pin circle does, if one is found.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn too_weak(
+        catalogue: &Catalogue,
+        cancel: &AtomicBool,
+    ) -> Result<Option<(Self, Option<f64>)>, StudyError> {
+        let (mut weak, mut times) = (None, 1.0);
+        for _ in 0..SIZES {
+            let mut larger = catalogue.clone();
+            larger.pin_circle_diameter_m *= times;
+            let Ok(draft) = larger.draft() else { break };
+            let mut ends = intervals(&draft.scene).into_iter();
+            let loosest = ends.try_fold(draft.scene.clone(), |gear, (key, value, half)| {
+                gear.with_number(key, value + half)
+            });
+            let gearbox = loosest.ok().and_then(|scene| Gearbox::new(&scene).ok());
+            let found = gearbox.map(|gearbox| Self::of_gear(&gearbox, None, cancel));
+            let Some(found) = found.transpose()?.flatten() else {
+                break;
+            };
+            let Some(margin) = found.margin.filter(|margin| *margin < 1.0) else {
+                return Ok(weak.map(|weak| (weak, Some(times))));
+            };
+            weak.get_or_insert(found);
+            // Pressures of line contacts fall with the diameter to the power of 1.5, or slower where clearances stay.
+            times *= LARGER * margin.powf(-2.0 / 3.0);
+        }
+        Ok(weak.map(|weak| (weak, None)))
     }
 
     /// The limit with the least margin.
