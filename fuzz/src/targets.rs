@@ -239,7 +239,12 @@ pub fn sweep(bytes: &[u8]) -> bool {
     }
     match Plan::new(sweep, &[]) {
         Ok(plan) => {
-            assert_eq!(plan.runs.len(), runs);
+            assert_eq!(plan.len(), runs);
+            for run in 0..runs {
+                if let Err(error) = plan.run(run) {
+                    told(&error);
+                }
+            }
             true
         }
         Err(error) => {
