@@ -32,6 +32,8 @@ const NEAR: f64 = 0.05;
 const SLOWER: f64 = 8.0;
 /// Factor of that gear's damping. With less than twice the damping the ramps' kinks ring on.
 const DAMPED: f64 = 4.0;
+/// Factor of the change by extrapolation in its uncertainty: two loops do not show their order.
+const SAFETY: f64 = 3.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
@@ -53,8 +55,8 @@ pub struct Cycle {
     /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` where sleeves rub, and
     /// where a gear that rubs has play.
     pub width_arcmin: Option<f64>,
-    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, the change by extrapolation, and half of
-    /// the branches' distances at both torques.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by extrapolation,
+    /// and half of the branches' distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
     /// Uncertainty of the width, arcmin: the first three of these.
     pub width_uncertainty_arcmin: Option<f64>,
@@ -106,7 +108,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     ] {
         let change = value.zip(faster).map(|(own, faster)| own - faster);
         *value = value.zip(change).map(|(own, change)| own + change);
-        *off = off.zip(change).map(|(off, change)| off + change.abs());
+        *off = off.zip(change).map(|(off, change)| off + SAFETY * change.abs());
     }
     Ok(own)
 }
