@@ -3,7 +3,7 @@
 //! The disc profile is the inward offset of C by q (R and q with their modifications, [`crate::deviations`]), so C shows faults
 //! of a profile; see [`Epitrochoid`] for the formulas.
 
-use pinwheel_contact::{Complex, Epitrochoid};
+use pinwheel_contact::Epitrochoid;
 
 use super::model::Gear;
 
@@ -87,8 +87,33 @@ impl Profile {
         self.radii()[0]
     }
 
-    /// Returns the distance of `point` from C, m; negative inside.
-    pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
-        self.curve.closest(Complex::new(x, y)).distance
+    /// Returns the distance from `point` to the part of C within `reach` radians of `around`, m.
+    ///
+    /// Takes the best of `samples` evenly spaced points and refines it by ternary search. C is smooth, so with dense
+    /// samples the distance has one minimum between the best sample's neighbours.
+    pub fn distance(&self, point: [f64; 2], around: f64, reach: f64, samples: usize) -> f64 {
+        let at = |a: f64| {
+            let [x, y] = self.point(a);
+            (x - point[0]).hypot(y - point[1])
+        };
+        let step = 2.0 * reach / samples as f64;
+        let mut best = (f64::INFINITY, around);
+        for i in 0..=samples {
+            let a = around - reach + step * i as f64;
+            let distance = at(a);
+            if distance < best.0 {
+                best = (distance, a);
+            }
+        }
+        let (mut low, mut high) = (best.1 - step, best.1 + step);
+        for _ in 0..40 {
+            let third = (high - low) / 3.0;
+            if at(low + third) < at(high - third) {
+                high -= third;
+            } else {
+                low += third;
+            }
+        }
+        at(0.5 * (low + high)).min(best.0)
     }
 }

@@ -99,7 +99,7 @@ proptest! {
         let nearest = (0..40)
             .map(|i| {
                 let a = PI / curve.lobes() * f64::from(i) / 39.0;
-                curve.distance(curve.offset_point(a)).abs()
+                curve.distance(curve.offset_point(a), a, PI, 100 * zk)
             })
             .fold(f64::INFINITY, f64::min);
         if accepted {
@@ -123,8 +123,12 @@ fn holes_are_measured_where_they_stand() {
     let lobe = Profile::of(&gear);
     let circle = gear.internal_circle_radius_m;
     let at = |angle: f64| {
-        lobe.distance([circle * angle.cos(), circle * angle.sin()])
-            .abs()
+        lobe.distance(
+            [circle * angle.cos(), circle * angle.sin()],
+            angle,
+            0.7,
+            200,
+        )
     };
     assert!(at(0.0) > at(PI / 8.0) + 1e-3);
 }

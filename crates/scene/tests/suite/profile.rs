@@ -41,7 +41,7 @@ fn the_offset_keeps_its_distance() {
     let profile = Profile::of(&Scene::paper().gear);
     for i in 0..200 {
         let a = f64::from(i) * 0.031;
-        let distance = profile.distance(profile.offset_point(a));
-        assert!((distance + 0.006).abs() < 1e-9, "{distance}");
+        let distance = profile.distance(profile.offset_point(a), a, 0.4, 400);
+        assert!((distance - 0.006).abs() < 1e-9, "{distance}");
     }
 }

@@ -58,7 +58,7 @@ pub struct Cycle {
     /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by extrapolation,
     /// and half of the branches' distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// Uncertainty of the width, arcmin: the first three of these.
+    /// Uncertainty of the width, arcmin: the first three of these; where nothing rubs also the width.
     pub width_uncertainty_arcmin: Option<f64>,
     /// Ending of the run.
     pub status: &'static str,
@@ -89,6 +89,9 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     // Play below this is rounding.
     if !slow.rubs() || fades || play >= 1e-12 {
         let mut own = looped(gearbox, rated, SLOW, None, control)?;
+        // Where nothing rubs, the run's rate alone opens the loop.
+        let off = own.width_uncertainty_arcmin.zip(own.width_arcmin);
+        own.width_uncertainty_arcmin = off.map(|(off, width)| off + width);
         if slow.rubs() {
             (own.width_arcmin, own.width_uncertainty_arcmin) = (None, None);
         }
