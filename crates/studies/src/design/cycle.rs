@@ -111,7 +111,9 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     ] {
         let change = value.zip(faster).map(|(own, faster)| own - faster);
         *value = value.zip(change).map(|(own, change)| own + change);
-        *off = off.zip(change).map(|(off, change)| off + SAFETY * change.abs());
+        *off = off
+            .zip(change)
+            .map(|(off, change)| off + SAFETY * change.abs());
     }
     Ok(own)
 }
