@@ -32,7 +32,7 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
         bar: OnceLock::new(),
     };
     let report = |progress: Progress<'_>| bar.show(progress);
-    let found = std::thread::scope(|scope| {
+    let result = std::thread::scope(|scope| {
         // Dropped when the work is done, also by a panic.
         let (_working, ended) = mpsc::channel::<()>();
         if bar.visible && !bar.terminal {
@@ -48,7 +48,7 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
     if let Some(bar) = bar.bar.get() {
         bar.finish_and_clear();
     }
-    found
+    result
 }
 
 /// Progress bar, inactive without a reader.

@@ -260,20 +260,20 @@ fn end_value(a: &View<'_>, b: &View<'_>) -> Option<f64> {
 }
 
 fn worst(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<WorstSample> {
-    let mut found: Option<(f64, WorstSample)> = None;
+    let mut worst: Option<(f64, WorstSample)> = None;
     for (channel, (a, b)) in a.channels().iter().zip(b.channels()).enumerate() {
         for ((a, b), &time_s) in a.iter().zip(*b).zip(time_s) {
             let difference = (a - b).abs();
             if !difference.is_finite() {
                 return None;
             }
-            if found
+            if worst
                 .as_ref()
                 .is_none_or(|(largest, _)| difference > *largest)
             {
-                found = Some((difference, WorstSample { channel, time_s }));
+                worst = Some((difference, WorstSample { channel, time_s }));
             }
         }
     }
-    found.map(|(_, sample)| sample)
+    worst.map(|(_, sample)| sample)
 }

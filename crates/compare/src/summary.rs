@@ -66,7 +66,7 @@ pub(crate) fn uncertainty(
             let pointwise = judge.context.is_pointwise(window.to_s);
             let (finest, channels) = (&participant.time_series, &quantity.channels);
             match ladder.estimate(finest, channels, &samples, floor, pointwise) {
-                Ok(found) => new(found.norms.map(Uncertainty::from), found.relative_l2),
+                Ok(estimate) => new(estimate.norms.map(Uncertainty::from), estimate.relative_l2),
                 Err(unresolved) => missing(&unresolved),
             }
         }
@@ -123,8 +123,8 @@ pub fn uncertainties(
         quantities.iter().filter_map(move |quantity| {
             let view = View::of(time_series, &quantity.channels, samples.clone())?;
             Statistics::of(&view)?;
-            let found = uncertainty(participant, quantity, window, samples.clone(), judge)?;
-            Some((*window, found))
+            let uncertainty = uncertainty(participant, quantity, window, samples.clone(), judge)?;
+            Some((*window, uncertainty))
         })
     });
     each.collect()
@@ -177,14 +177,14 @@ fn figures(participant: &Participant, window: &Window, judge: Judge<'_>) -> Figu
     let time_series = &participant.time_series;
     let samples = time_series.window(window.from_s, window.to_s);
     let samples = covered(&[(participant, time_series)], samples);
-    let found = judge.quantities.iter().filter_map(|quantity| {
+    let figures = judge.quantities.iter().filter_map(|quantity| {
         let quantity = &shared(quantity, &[participant]);
         let (name, samples) = (&quantity.name, samples.clone());
-        let found = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
+        let figures = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
         let named = |of: Statistics| (name.clone(), of);
-        Some((named(found.statistics), named(found.sampling)))
+        Some((named(figures.statistics), named(figures.sampling)))
     });
-    let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = found.unzip();
+    let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = figures.unzip();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let works = efficiency(participant, window, samples, judge);
     let accounted = works.ok().zip(created);

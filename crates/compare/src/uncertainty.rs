@@ -42,8 +42,8 @@ impl Uncertainty {
 }
 
 impl From<Result<Estimate, Unresolved>> for Uncertainty {
-    fn from(found: Result<Estimate, Unresolved>) -> Self {
-        found.map_or_else(Self::Unknown, Self::Known)
+    fn from(estimate: Result<Estimate, Unresolved>) -> Self {
+        estimate.map_or_else(Self::Unknown, Self::Known)
     }
 }
 

@@ -199,8 +199,8 @@ impl Instance {
     fn variable(&self, call: &str, reference: u32) -> Result<(usize, &Variable), Refusal> {
         let place = usize::try_from(reference).unwrap_or(usize::MAX);
         let none = || format!("{call}: there is no variable of value reference {reference}");
-        let found = self.model.variables().get(place).ok_or_else(none)?;
-        Ok((place, found))
+        let variable = self.model.variables().get(place).ok_or_else(none)?;
+        Ok((place, variable))
     }
 
     /// Returns the index of a variable; `boolean`: the required type.

@@ -89,40 +89,40 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
 /// Design figures of a gear.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Designed {
-    found: designs::DesignResult,
+    design: designs::DesignResult,
 }
 
 #[pymethods]
 impl Designed {
     /// Returns the figures as JSON.
     fn json(&self) -> Raises<String> {
-        Ok(serde_json::to_string(&self.found)?)
+        Ok(serde_json::to_string(&self.design)?)
     }
 
     /// Returns the figures as text: each value and its bounds.
     fn words(&self) -> Vec<(String, String)> {
-        self.found.figures.iter().map(shown).collect()
+        self.design.figures.iter().map(shown).collect()
     }
 
     /// Returns the page, which needs no network.
     fn page(&self) -> String {
-        pages::design::page(&self.found, &made())
+        pages::design::page(&self.design, &made())
     }
 
     /// Returns the text for a terminal.
     fn text(&self) -> String {
-        pages::design::text(&self.found, true)
+        pages::design::text(&self.design, true)
     }
 
     /// Returns number and drawing (DXF) of every distinct disc.
     fn dxf(&self) -> Vec<(usize, String)> {
-        let discs = self.found.discs.iter();
+        let discs = self.design.discs.iter();
         discs.map(|disc| (disc.number(), disc.dxf())).collect()
     }
 
     /// Returns the answer of the limits and its reason, as text.
     fn bears(&self) -> (String, String) {
-        pages::design::answer(&self.found.limits)
+        pages::design::answer(&self.design.limits)
     }
 }
 
@@ -135,10 +135,10 @@ pub(crate) fn design(
     progress: Option<Py<PyAny>>,
 ) -> Raises<Designed> {
     let gearbox = pinwheel::compile(&scene.checked)?;
-    let found = supervised(py, &Desk::new(), progress.as_ref(), |control| {
+    let design = supervised(py, &Desk::new(), progress.as_ref(), |control| {
         designs::run(&gearbox, runs, control)
     })?;
-    Ok(Designed { found })
+    Ok(Designed { design })
 }
 
 /// Returns the bytes of the scene's co-simulation unit. `library`: path of the library of units; `None`: searched like the

@@ -93,10 +93,10 @@ pub(crate) fn key(name: &str) -> Raises<String> {
     }
     let last = |full: &'static str| full.rsplit('.').next().unwrap_or(full);
     let ends = KEYS.iter().map(|key| key.name);
-    let mut found: Vec<&str> = ends.filter(|full| last(full) == name).collect();
+    let mut names: Vec<&str> = ends.filter(|full| last(full) == name).collect();
     let depth = |full: &str| full.matches('.').count();
-    let least = found.iter().map(|full| depth(full)).min();
-    found.retain(|full| Some(depth(full)) == least);
+    let least = names.iter().map(|full| depth(full)).min();
+    names.retain(|full| Some(depth(full)) == least);
     let wrong = |what: String| {
         Err(SceneError::Key {
             place: Location::Set(String::new()),
@@ -106,7 +106,7 @@ pub(crate) fn key(name: &str) -> Raises<String> {
         }
         .into())
     };
-    match found.as_slice() {
+    match names.as_slice() {
         [one] => Ok((*one).to_owned()),
         [] => {
             let known = KEYS.iter().map(|key| match name.contains('.') {

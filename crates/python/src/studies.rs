@@ -192,19 +192,19 @@ pub(crate) fn bench(
     if !names.is_empty() || own.is_empty() {
         own.splice(..0, benches::engines(&names, checked)?);
     }
-    let found = supervised(py, &desk, progress.as_ref(), |control| {
+    let study = supervised(py, &desk, progress.as_ref(), |control| {
         benches::run(checked, &own, &options, control)
     })?;
-    Ok(Benched(found))
+    Ok(Benched(study))
 }
 
 /// Returns model and assumptions of a scene: (JSON, text).
 #[pyfunction]
 pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     let gearbox = pinwheel::compile(&scene.checked)?;
-    let found = explained::explain(&gearbox);
-    let json = serde_json::to_string(&found)?;
-    Ok((json, pages::explain::text(&found)))
+    let explained = explained::explain(&gearbox);
+    let json = serde_json::to_string(&explained)?;
+    Ok((json, pages::explain::text(&explained)))
 }
 
 /// Returns the available engines, like the program's `engines --json`.

@@ -236,8 +236,8 @@ impl Sweep {
 
     /// Returns the results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
-        let found = sweeps::tolerances(&self.plan, self.results()?.1);
-        Ok(serde_json::to_string(&found)?)
+        let samples = sweeps::tolerances(&self.plan, self.results()?.1);
+        Ok(serde_json::to_string(&samples)?)
     }
 
     /// Returns the text for a terminal.

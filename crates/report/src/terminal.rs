@@ -60,8 +60,8 @@ const LEAST: usize = 12;
 
 /// Returns the line length of the terminal at stdout, stdin or stderr; 80 without one.
 pub fn width() -> usize {
-    let found = terminal_size::terminal_size();
-    let columns = found.map_or(USUAL, |(columns, _)| usize::from(columns.0));
+    let size = terminal_size::terminal_size();
+    let columns = size.map_or(USUAL, |(columns, _)| usize::from(columns.0));
     columns.clamp(*WIDTHS.start(), *WIDTHS.end())
 }
 

@@ -54,31 +54,31 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         store: store.as_deref(),
         ahead: Some(ahead),
     };
-    let found = watched(|control| comparison::run_on(&input, effort, &lanes, control));
+    let outcome = watched(|control| comparison::run_on(&input, effort, &lanes, control));
     for line in store.iter().flat_map(|store| store.messages()) {
         screen::warn(&line);
     }
-    let mut found = found.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
+    let mut outcome = outcome.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
     // An engine that was asked for by name and is left out ends in an error.
-    found.comparison.passed &= found.broken(asked_by_name).is_none();
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::comparison::page(&found, &made);
-    let mut text = pages::comparison::text(scene, &found);
+    outcome.comparison.passed &= outcome.broken(asked_by_name).is_none();
+    let made = folder.write(|dir, made| outcome.write(dir, made))?;
+    let page = pages::comparison::page(&outcome, &made);
+    let mut text = pages::comparison::text(scene, &outcome);
     if screen::manner().verbose {
         text.push('\n');
-        text.push_str(&pages::comparison::details(&found));
+        text.push_str(&pages::comparison::details(&outcome));
     }
-    screen::answer(pages::comparison::verdict(&found));
+    screen::answer(pages::comparison::verdict(&outcome));
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
-        let suites = junit::of_comparison(&found.comparison);
+        let suites = junit::of_comparison(&outcome.comparison);
         junit::write(path, "pinwheel compare", suites)?;
     }
     name_idle(&args.scene, &gearbox)?;
 
-    match found.broken(asked_by_name) {
+    match outcome.broken(asked_by_name) {
         Some(broken) => Err(Failure::engine(broken)),
-        None => Ok(found.exit_status()),
+        None => Ok(outcome.exit_status()),
     }
 }
 
@@ -165,11 +165,11 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         engine: engine.as_ref(),
         efforts: [a?, b?],
     };
-    let found = watched(|control| design_diff::run(&input, control))?;
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::design_diff::page(&found, &made);
-    folder.show(&page, &pages::design_diff::text(&found))?;
-    if let Some((name, reason)) = found.broken() {
+    let diff = watched(|control| design_diff::run(&input, control))?;
+    let made = folder.write(|dir, made| diff.write(dir, made))?;
+    let page = pages::design_diff::page(&diff, &made);
+    folder.show(&page, &pages::design_diff::text(&diff))?;
+    if let Some((name, reason)) = diff.broken() {
         return Err(Failure::engine(format!(
             "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
         )));

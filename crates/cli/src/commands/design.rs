@@ -99,22 +99,22 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
     let begun = Instant::now();
-    let mut found = watched(|control| design::run(&gearbox, !args.statics, control))?;
+    let mut design = watched(|control| design::run(&gearbox, !args.statics, control))?;
     let took = begun.elapsed();
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
-        found.fit_rest(stated)?;
+        design.fit_rest(stated)?;
     }
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let html = pages::design::page(&found, &made);
-    let text = pages::design::text(&found, screen::manner().verbose);
-    let (said, why) = pages::design::answer(&found.limits);
+    let made = folder.write(|dir, made| design.write(dir, made))?;
+    let html = pages::design::page(&design, &made);
+    let text = pages::design::text(&design, screen::manner().verbose);
+    let (said, why) = pages::design::answer(&design.limits);
     screen::answer(format!("bears its load: {said}; {why}"));
     folder.show(&html, &text)?;
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {
-        settings.idle_in_design(&found, took, control, |other| {
+        settings.idle_in_design(&design, took, control, |other| {
             pages::design::page(other, &made) == html
         })
     })?;
-    Ok(found.limits.exceeded().map_or(0, |_| DIFFER))
+    Ok(design.limits.exceeded().map_or(0, |_| DIFFER))
 }

@@ -548,9 +548,9 @@ impl Explorer {
             obey: Effort::asked(scene, &self.spec, &self.sets, 1.0, 1.0)?.obey,
             ..Effort::of(scene)
         };
-        let found = comparison::run_with(&input, effort, &control)?;
-        let made = folder.write(|dir, made| found.write(dir, made))?;
-        let page = pages::comparison::page(&found, &made);
+        let outcome = comparison::run_with(&input, effort, &control)?;
+        let made = folder.write(|dir, made| outcome.write(dir, made))?;
+        let page = pages::comparison::page(&outcome, &made);
         folder.write_page(&page)?;
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))

@@ -94,9 +94,9 @@ pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> V
 
 /// The sample of a state's tolerances, as the page's script reads it: a share and its ends.
 #[must_use]
-pub fn sample(found: Option<[f64; 3]>) -> Value {
-    let row = found.map(|found| {
-        let [share, low, high] = found.map(|share| 100.0 * share);
+pub fn sample(estimate: Option<[f64; 3]>) -> Value {
+    let row = estimate.map(|estimate| {
+        let [share, low, high] = estimate.map(|share| 100.0 * share);
         let how = format!("of {GEARS} gears within [uncertain], those within limits; {low:.0} to {high:.0} % with 95 % confidence");
         json!(["yield", share, "%", format!("{share:.0}"), how, 0.5 * (high - low)])
     });

@@ -321,7 +321,7 @@ fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuanti
 /// Returns the uncertainty of every comparison with measured data, in the quantity's unit.
 fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(usize, usize, f64)> {
     let place = |name: &str| drawn.iter().position(|d| d.participant.name == name);
-    let mut found = Vec::new();
+    let mut bands = Vec::new();
     for pair in &comparison.pairs {
         for entry in pair.entries.iter().filter(|e| e.quantity == quantity) {
             let rms = |name: &str| {
@@ -333,13 +333,13 @@ fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(u
             let scale = rms(&pair.a).zip(rms(&pair.b)).map(|(a, b)| a.max(b));
             if let (Some(budget), Some(scale), Some(a), Some(b)) =
                 (budget, scale, place(&pair.a), place(&pair.b))
-                && !found.iter().any(|(x, y, _)| (*x, *y) == (a, b))
+                && !bands.iter().any(|(x, y, _)| (*x, *y) == (a, b))
             {
-                found.push((a, b, budget.bound() * scale));
+                bands.push((a, b, budget.bound() * scale));
             }
         }
     }
-    found
+    bands
 }
 
 fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
@@ -459,8 +459,8 @@ mod tests {
     fn samples_find_their_times() {
         let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
         let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
-        let found = standing(&every, &whole).unwrap();
-        assert_eq!(found, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
+        let rows = standing(&every, &whole).unwrap();
+        assert_eq!(rows, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
         assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
         assert_eq!(standing(&[1.5e-4], &whole), None);
     }
@@ -591,15 +591,15 @@ mod tests {
         };
         let participants = ["native-reduced", "a", "b", "c"]
             .map(|name| participant(name, SharedModel::Native, &time, forces()));
-        let found = data(&participants);
-        let channels = &found.quantities[0].channels;
+        let drawn = data(&participants);
+        let channels = &drawn.quantities[0].channels;
         let size: usize = channels.iter().map(|c| c.packed.len()).sum();
         assert!(size > BUDGET / 2 && size <= BUDGET, "{size}");
-        assert_eq!(channels.len(), 60, "{:?}", found.notes);
+        assert_eq!(channels.len(), 60, "{:?}", drawn.notes);
         assert!(
-            found.notes[1].contains("no peak is lost"),
+            drawn.notes[1].contains("no peak is lost"),
             "{:?}",
-            found.notes
+            drawn.notes
         );
     }
 
@@ -608,8 +608,8 @@ mod tests {
         let time: Vec<f64> = (0..601).map(|k| f64::from(k) * 1e-3).collect();
         let forces = |count: usize| vec![time.clone(); count];
         let few = participant("a", SharedModel::Native, &time, forces(2));
-        let found = data(&[few, participant("b", SharedModel::Native, &time, forces(3))]);
-        let engines = found.quantities[0]
+        let drawn = data(&[few, participant("b", SharedModel::Native, &time, forces(3))]);
+        let engines = drawn.quantities[0]
             .channels
             .iter()
             .map(|c| c.engines.clone());
@@ -618,7 +618,7 @@ mod tests {
             [vec![0, 1], vec![0, 1], vec![1]]
         );
         let mut read =
-            crate::pages::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
+            crate::pages::packed::tests::Reader::new(&drawn.quantities[0].channels[2].packed);
         assert_eq!(read.places(), [0usize; 0]);
         assert!((read.column()[600] - 0.6).abs() < 1e-4);
     }

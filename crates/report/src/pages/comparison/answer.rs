@@ -27,17 +27,17 @@ pub(super) type Number = fn(f64) -> String;
 
 /// Answers of a comparison.
 pub(super) struct Answer<'a> {
-    pub(super) found: &'a Outcome,
+    pub(super) outcome: &'a Outcome,
     number: Number,
 }
 
 impl<'a> Answer<'a> {
-    pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
-        Self { found, number }
+    pub(super) fn new(outcome: &'a Outcome, number: Number) -> Self {
+        Self { outcome, number }
     }
 
     pub(super) fn comparison(&self) -> &'a Comparison {
-        &self.found.comparison
+        &self.outcome.comparison
     }
 
     /// Returns the verdict with the main figure, and the counts of all verdicts.
@@ -56,7 +56,7 @@ impl<'a> Answer<'a> {
     /// Returns the evidence for each input of the user, or for the engines together, a line each. Limits that are met are
     /// part of their record's line.
     pub(super) fn shown(&self) -> Vec<Fact> {
-        let findings = self.found.comparison.findings.iter();
+        let findings = self.outcome.comparison.findings.iter();
         let findings = findings.filter(|one| one.kind != Kind::Limit || one.shown != Shown::Agrees);
         let fact = |one: &Finding| {
             let mark = match (one.shown, one.status) {
@@ -69,7 +69,7 @@ impl<'a> Answer<'a> {
                 _ => Fact::new("limit", mark, one.line.as_str()),
             }
         };
-        let stages = stages::facts(self.found);
+        let stages = stages::facts(self.outcome);
         findings.map(fact).chain(stages).collect()
     }
 
@@ -79,7 +79,7 @@ impl<'a> Answer<'a> {
         let agreeing = agreeing.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
         let tracks: BTreeSet<SharedModel> = agreeing.map(|(pair, _)| pair.track).collect();
         let independent = [SharedModel::OwnContact, SharedModel::Measured];
-        let mut twins = self.found.twins.iter();
+        let mut twins = self.outcome.twins.iter();
         if twins.any(|twin| twin.verdict == Judged::Agree)
             || independent.iter().any(|track| tracks.contains(track))
         {
@@ -94,8 +94,8 @@ impl<'a> Answer<'a> {
     /// Returns the tone, the verdict in a word or two, and its figure or difference. The tone is good only if engines
     /// beyond one shared contact law agree, and no difference is unexplained.
     pub(super) fn judged(&self) -> (Tone, String, String) {
-        let found = self.found;
-        let mut twins = found.twins.iter();
+        let outcome = self.outcome;
+        let mut twins = outcome.twins.iter();
         if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
             let off = twin.worst().map(|worst| percent(worst.difference()));
             let (engine, off) = (words::short(&twin.engine), off.unwrap_or_default());
@@ -103,8 +103,8 @@ impl<'a> Answer<'a> {
             return (Tone::Bad, "Differs".to_owned(), said);
         }
         let (tone, word) = self.of_engines();
-        if tone == Tone::Good && found.is_unexplained() {
-            let largest = found.largest().map(|largest| self.apart(&largest));
+        if tone == Tone::Good && outcome.is_unexplained() {
+            let largest = outcome.largest().map(|largest| self.apart(&largest));
             let said = largest.unwrap_or_default();
             return (Tone::Open, "Not confirmed".to_owned(), said);
         }
@@ -119,7 +119,7 @@ impl<'a> Answer<'a> {
 
     /// Returns the verdict of the engines, without limitations. An engine excluded beforehand does not count as broken.
     fn of_engines(&self) -> (Tone, String) {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let engines = || comparison.engines.iter();
         let broken = engines().filter(|e| e.status.is_broken()).count();
         let finished = engines().any(|e| e.status.is_finished());
@@ -135,7 +135,7 @@ impl<'a> Answer<'a> {
     }
 
     fn first_figure(&self) -> String {
-        let figures = figures(self.found);
+        let figures = figures(self.outcome);
         let forces = figures.iter().filter(|figure| figure.def.unit == "N");
         let forces: Vec<String> = forces.map(|figure| shown(figure).0).collect();
         match forces.as_slice() {
@@ -181,8 +181,8 @@ impl<'a> Answer<'a> {
             None => pages::next(made, "design", "stiffness, lost motion, pressure"),
             Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
         };
-        let bears = self.found.limits.as_ref().map(pages::design::bears);
-        let sure = pages::sure(&figures(self.found));
+        let bears = self.outcome.limits.as_ref().map(pages::design::bears);
+        let sure = pages::sure(&figures(self.outcome));
         [Some(right), bears, sure, Some(next)]
     }
 
@@ -196,7 +196,7 @@ impl<'a> Answer<'a> {
         facts.extend(self.difference());
         facts.extend(self.law());
         facts.extend(self.measured());
-        let notes = words::of_measured(&self.found.comparison);
+        let notes = words::of_measured(&self.outcome.comparison);
         facts.extend(notes.map(|note| Fact::new(DATA, Mark::None, note)));
         facts
     }
@@ -206,7 +206,7 @@ impl<'a> Answer<'a> {
         &self,
         of: impl Fn(&Pair) -> bool,
     ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
-        let pairs = self.found.comparison.pairs.iter();
+        let pairs = self.outcome.comparison.pairs.iter();
         words::entries(pairs.filter(move |pair| of(pair)))
     }
 
@@ -231,7 +231,7 @@ impl<'a> Answer<'a> {
 
     /// Returns an entry's quantity for a sentence.
     fn label(&self, entry: &PairEntry) -> String {
-        words::label(&self.found.comparison, &entry.quantity).to_lowercase()
+        words::label(&self.outcome.comparison, &entry.quantity).to_lowercase()
     }
 
     fn equations(&self) -> Fact {
@@ -253,7 +253,7 @@ impl<'a> Answer<'a> {
 
     /// Returns engines whose output torque and load do not match the output's acceleration.
     fn unbalanced(&self) -> Option<String> {
-        let engines = self.found.comparison.engines.iter();
+        let engines = self.outcome.comparison.engines.iter();
         let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
         let off = alone.filter(|(_, result)| result.verdict == Judged::Differ);
         let worst = off.clone().map(|(_, result)| result);
@@ -268,7 +268,7 @@ impl<'a> Answer<'a> {
     }
 
     fn integration(&self) -> Option<Fact> {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let (best, window) = best(comparison)?;
         let off = |engine: &EngineSummary| numerical(comparison, engine, window);
         let fact = |mark, text: &str| Some(Fact::new("integration", mark, text));
@@ -294,12 +294,12 @@ impl<'a> Answer<'a> {
     fn contacts(&self) -> Fact {
         let fact = |mark, text| Fact::new("contacts", mark, text);
         let differ = |twin: &&MatchedContactRun| twin.verdict == Judged::Differ;
-        let mut twins = self.found.twins.iter();
+        let mut twins = self.outcome.twins.iter();
         if let Some(line) = twins.find(differ).and_then(twins::line) {
             return fact(Mark::Bad, line);
         }
         let mut parts = Vec::new();
-        let twins = self.found.twins.iter();
+        let twins = self.outcome.twins.iter();
         let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
         let twins = twins.filter_map(|twin| {
             let off = percent(twin.worst()?.difference());
@@ -310,7 +310,7 @@ impl<'a> Answer<'a> {
             parts.push(format!("{twins} from native runs with the same contacts"));
         }
         let without_twin = |pair: &Pair| {
-            let mut twins = self.found.twins.iter();
+            let mut twins = self.outcome.twins.iter();
             !twins.any(|twin| twin.engine == pair.a || twin.engine == pair.b)
         };
         let alike = self.worst(Judged::Agree, |pair| {
@@ -320,7 +320,7 @@ impl<'a> Answer<'a> {
         if !parts.is_empty() {
             return fact(Mark::Good, parts.join("; "));
         }
-        let mut engines = self.found.comparison.engines.iter();
+        let mut engines = self.outcome.comparison.engines.iter();
         let has_own = engines.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
         let text = match has_own {
             true => START_UP,
@@ -331,7 +331,7 @@ impl<'a> Answer<'a> {
 
     /// Returns the largest difference, judged or not.
     fn difference(&self) -> Option<Fact> {
-        let most = self.found.largest()?;
+        let most = self.outcome.largest()?;
         let why = match most.twin {
             _ if most.share() < SEEN || most.verdict == Some(Judged::Agree) => String::new(),
             Some(twin) if most.is_explained() => {
@@ -350,8 +350,8 @@ impl<'a> Answer<'a> {
     }
 
     fn law(&self) -> Vec<Fact> {
-        let scene = &self.found.gearbox.scene;
-        let Some(bands) = &self.found.bands else {
+        let scene = &self.outcome.gearbox.scene;
+        let Some(bands) = &self.outcome.bands else {
             let why = declined(scene);
             let why = why.unwrap_or("the gear cannot be balanced, or has no load");
             let text = format!("no band: {why}");
@@ -400,7 +400,7 @@ impl<'a> Answer<'a> {
     /// Returns facts on parts that were not checked, with the way to check them. At most `listed` reasons of engines without
     /// figures are listed one by one.
     pub(super) fn unchecked(&self, listed: usize) -> Vec<Fact> {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
         let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
@@ -472,11 +472,11 @@ impl<'a> Answer<'a> {
 
     /// Returns the open questions of a comparison, each with a way to settle it.
     pub(super) fn open(&self) -> Vec<String> {
-        let open = words::inconclusive(&self.found.comparison).into_iter();
+        let open = words::inconclusive(&self.outcome.comparison).into_iter();
         let open = open.map(|(who, why)| format!("{who}: {why}"));
         let mut next: Vec<String> = open.take(3).collect();
-        let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
-        if let Some(most) = unexplained {
+        let largest = self.outcome.largest();
+        if let Some(most) = largest.filter(|_| self.outcome.is_unexplained()) {
             next.push(match most.twin {
                 _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
                     "find what the model leaves out of `{}`, or what is wrong with it: it differs by more than its tolerance",
@@ -490,7 +490,7 @@ impl<'a> Answer<'a> {
                     "ask for more of `{}`: --longest 300; or leave it out",
                     most.engine
                 ),
-                None if stages::names(self.found, most.engine) => {
+                None if stages::names(self.outcome, most.engine) => {
                     format!("correct that stage of `{}`; Stages on the page shows where", most.engine)
                 }
                 None => format!("refine `{}` or leave it out: --engines", most.engine),

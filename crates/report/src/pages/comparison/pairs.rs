@@ -32,10 +32,10 @@ impl Page<'_> {
         let pairs = pairs.filter(|(_, pair)| pair.track == track);
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);
         let alone = engines.filter_map(|engine| self.alone(engine));
-        let mut found: Vec<Ranked> = pairs.map(|(k, pair)| self.pair(k, pair)).collect();
-        found.extend(alone);
-        found.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
-        if found.is_empty() {
+        let mut ranked: Vec<Ranked> = pairs.map(|(k, pair)| self.pair(k, pair)).collect();
+        ranked.extend(alone);
+        ranked.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
+        if ranked.is_empty() {
             return Vec::new();
         }
         let mut blocks = vec![Block::heading("Pair by pair")];
@@ -46,7 +46,7 @@ impl Page<'_> {
                     .into(),
             );
         }
-        for group in found.chunk_by(|a, b| a.0 == b.0) {
+        for group in ranked.chunk_by(|a, b| a.0 == b.0) {
             // For unresolvable verdicts a sentence each suffices.
             if group[0].0 == 2 && track != SharedModel::Measured {
                 let sentences = group.iter().map(|(.., item)| {
@@ -218,8 +218,8 @@ impl Page<'_> {
             .text("", "largest difference", |entry| {
                 let quantity = words::quantity(self.comparison, &entry.quantity);
                 let metrics = entry.metrics.as_ref();
-                let found = metrics.and_then(|metrics| largest(metrics, quantity));
-                found.unwrap_or_else(|| NONE.to_owned())
+                let worst = metrics.and_then(|metrics| largest(metrics, quantity));
+                worst.unwrap_or_else(|| NONE.to_owned())
             })
             .done()
     }

@@ -100,7 +100,7 @@ impl<'a> Page<'a> {
                 table = table
                     .number("", name, |(i, _)| Some(result(*i)?.difference?.abs()))
                     .said(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
-                    .shaded(|(i, _)| result(*i).map(|found| shade(found.share())))
+                    .shaded(|(i, _)| result(*i).map(|result| shade(result.share())))
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
                     .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
             }
@@ -270,11 +270,11 @@ impl<'a> Page<'a> {
 }
 
 /// Returns the decisive figure with its uncertainty, or else its metric.
-fn decisive(found: &Assessment) -> String {
-    let figure = format::relative_or_none(found.difference.map(f64::abs));
-    match found.combined() {
+fn decisive(result: &Assessment) -> String {
+    let figure = format::relative_or_none(result.difference.map(f64::abs));
+    match result.combined() {
         Some(u) => format!("{figure} \u{b1}\u{202f}{}", format::relative(u)),
-        None => format!("{figure} {}", found.metric.map_or("", Metric::label)),
+        None => format!("{figure} {}", result.metric.map_or("", Metric::label)),
     }
 }
 

@@ -9,8 +9,8 @@ use pinwheel_timeseries::table::{Mark, Table};
 use super::words;
 
 /// Returns a line for every judged engine.
-pub(super) fn facts(found: &Outcome) -> impl Iterator<Item = Fact> {
-    found.stages.iter().map(|located| {
+pub(super) fn facts(outcome: &Outcome) -> impl Iterator<Item = Fact> {
+    outcome.stages.iter().map(|located| {
         let mark = match located.first() {
             Some(_) => Mark::Bad,
             None => Mark::Warn,
@@ -21,14 +21,14 @@ pub(super) fn facts(found: &Outcome) -> impl Iterator<Item = Fact> {
 }
 
 /// True if a stage of that engine is named.
-pub(super) fn names(found: &Outcome, engine: &str) -> bool {
-    let mut stages = found.stages.iter();
+pub(super) fn names(outcome: &Outcome, engine: &str) -> bool {
+    let mut stages = outcome.stages.iter();
     stages.any(|located| located.run == engine && located.first().is_some())
 }
 
 /// Returns the stages of every judged engine, with its residuals.
-pub(super) fn section(found: &Outcome) -> Option<Section> {
-    let blocks: Vec<Block> = found.stages.iter().flat_map(blocks).collect();
+pub(super) fn section(outcome: &Outcome) -> Option<Section> {
+    let blocks: Vec<Block> = outcome.stages.iter().flat_map(blocks).collect();
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 

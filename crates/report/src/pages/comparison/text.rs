@@ -21,8 +21,8 @@ use crate::pages::band;
 
 /// Returns the answer on at most one screen, without the path of the page. Notes on measured data are shortened until it
 /// fits, then the reasons of excluded engines. [`details`] has every note and reason.
-pub fn text(scene: &Scene, found: &Outcome) -> String {
-    let answer = Answer::new(found, share);
+pub fn text(scene: &Scene, outcome: &Outcome) -> String {
+    let answer = Answer::new(outcome, share);
     let trust = answer.trust();
     let notes = trust.iter().filter(|fact| is_note(fact)).count();
     let fewer = (0..answer::MOST).rev().map(|reasons| (0, reasons));
@@ -51,7 +51,7 @@ fn with_notes(
     let title = paragraph(&crate::pages::title(scene));
     let mut text = format!("{}\n\n", styled(TITLE, &title));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
-    text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
+    text += &terminal::pairs(figures(answer.outcome).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);
         // Shortened to fit on one line.
         let bounds = one.detail.replace("by contact law", "by law");
@@ -90,13 +90,13 @@ fn with_notes(
 const SCREEN: usize = 30;
 
 /// Returns the text with every figure and every verdict.
-pub fn details(found: &Outcome) -> String {
-    let comparison = &found.comparison;
+pub fn details(outcome: &Outcome) -> String {
+    let comparison = &outcome.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
     text += &terminal::facts(&answer::left_out_facts(&answer::left_out(comparison)));
     let tables = [measured(comparison), pairs(comparison)].into_iter();
     let tables = tables.filter(|table| !table.is_empty());
-    let bands = found
+    let bands = outcome
         .bands
         .iter()
         .map(|bands| terminal::pairs(band::rows(bands)));
@@ -105,13 +105,13 @@ pub fn details(found: &Outcome) -> String {
     }
     let remarks = words::of_windows(comparison).chain(budgets(comparison));
     let remarks = remarks.chain(words::of_measured(comparison));
-    let twins = found.twins.iter().filter_map(super::twins::line);
+    let twins = outcome.twins.iter().filter_map(super::twins::line);
     text + &terminal::paragraphs(remarks.chain(twins))
 }
 
 /// Returns the verdict in a sentence.
-pub fn verdict(found: &Outcome) -> String {
-    let (_, word, why) = Answer::new(found, share).judged();
+pub fn verdict(outcome: &Outcome) -> String {
+    let (_, word, why) = Answer::new(outcome, share).judged();
     format!("{word}: {why}")
 }
 

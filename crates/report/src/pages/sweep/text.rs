@@ -79,14 +79,14 @@ pub fn text(plan: &Plan, rows: &[Row<'_>], table: &Table, files: &[(&str, String
         said.push(row("numerical error", remedy.to_owned()));
     }
     let sampled = sweep::tolerances(plan, table);
-    for found in &sampled {
+    for sample in &sampled {
         if sampled.len() > 1 {
-            said.push(row("sample", tolerances::place(found)));
+            said.push(row("sample", tolerances::place(sample)));
         }
-        if let Some(of) = &found.yielded {
+        if let Some(of) = &sample.yielded {
             said.push(row("yield", tolerances::yield_in_words(of)));
         }
-        let shown = tolerances::shown(plan, found).into_iter();
+        let shown = tolerances::shown(plan, sample).into_iter();
         for figure in shown.take(MOST_FIGURES) {
             let name = tolerances::in_full(&figure.def);
             said.push(row(&name, tolerances::in_words(figure)));
