@@ -323,8 +323,8 @@ impl Judge<'_> {
             return Assessment::not_compared("the scene has no load to compare with");
         }
         let steps = engine.cost.steps as f64 / engine.time_series.len() as f64;
-        let found = balance::of(&engine.time_series, samples, load_n_m, inertia, steps);
-        let Some(balance) = found else {
+        let result = balance::of(&engine.time_series, samples, load_n_m, inertia, steps);
+        let Some(balance) = result else {
             return Assessment::not_compared("too few samples for the balance of the output shaft");
         };
         let share = |torque: f64| torque / load_n_m.abs();
@@ -337,7 +337,7 @@ impl Judge<'_> {
             ));
         }
         let left_over = share(balance.left_over.abs());
-        let found = Assessment {
+        let result = Assessment {
             u_a: Some(own),
             ..Assessment::limit(
                 Metric::MeanAgainstLoad,
@@ -346,21 +346,21 @@ impl Judge<'_> {
                 "On average, contact forces and load give the output shaft its acceleration, for any law and engine.",
             )
         };
-        let found = if !(own <= self.rules.resolution) {
+        let result = if !(own <= self.rules.resolution) {
             let reason = format!(
                 "the mean is uncertain by {own:.1e} of the load, above the resolution of {:.0e}",
                 self.rules.resolution
             );
-            found.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
-        } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, found.verdict)
+            result.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
+        } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, result.verdict)
             && left_over.is_finite()
         {
             let (reason, remedy) = (missing.reason.clone(), missing.remedy.clone());
-            found.inconclusive(&engine.name, reason, remedy)
+            result.inconclusive(&engine.name, reason, remedy)
         } else {
-            found
+            result
         };
-        self.settled(found, self.context.is_pointwise(f64::INFINITY))
+        self.settled(result, self.context.is_pointwise(f64::INFINITY))
     }
 }
 

@@ -168,8 +168,8 @@ impl PairMetrics {
     ///
     /// let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.03]);
     /// let (a, b) = (View::new(vec![&a[..]]), View::new(vec![&b[..]]));
-    /// let found = PairMetrics::of(&a, &b, &[0.0, 0.1, 0.2]).ok_or("shapes differ")?;
-    /// assert!(found.peak_difference.is_some_and(|d| (d - 0.03 / 3.03).abs() < 1e-12));
+    /// let metrics = PairMetrics::of(&a, &b, &[0.0, 0.1, 0.2]).ok_or("shapes differ")?;
+    /// assert!(metrics.peak_difference.is_some_and(|d| (d - 0.03 / 3.03).abs() < 1e-12));
     /// # Ok::<(), &str>(())
     /// ```
     ///

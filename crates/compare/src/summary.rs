@@ -138,14 +138,14 @@ pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> Eng
         let samples = participant.time_series.window(window.from_s, window.to_s);
         let there = judge.quantities.iter();
         let there = there.filter(|q| figures.quantities.contains_key(&q.name));
-        let found: Vec<QuantityUncertainty> = there
+        let known: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         if let Some(of_output) = judge.context.output(window)
             && participant.track != SharedModel::Measured
             && judge.quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
         {
-            let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
+            let u = known.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
                 quantity: OUTPUT_TORQUE.to_owned(),
                 window: window.kind,
@@ -153,7 +153,7 @@ pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> Eng
             });
         }
         all_figures.push(figures);
-        uncertainties.extend(found);
+        uncertainties.extend(known);
     }
     EngineSummary {
         name: participant.name.clone(),

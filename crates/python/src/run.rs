@@ -86,12 +86,12 @@ pub(crate) fn run(
     let outcome = outcome.map_err(|error| {
         let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });
         let broke = matches!(&error, StudyError::Ended { ending, .. } if failed(ending));
-        let told = PyErr::from(Raised::from(error));
+        let error = PyErr::from(Raised::from(error));
         let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
         if broke {
-            told.set_cause(py, raised);
+            error.set_cause(py, raised);
         }
-        told
+        error
     })?;
     let (engine, ending) = (outcome.engine.clone(), outcome.run.ending.clone());
     let ran = Ran::of(py, outcome)?;

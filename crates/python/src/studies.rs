@@ -28,7 +28,7 @@ pub(crate) struct Compared {
     /// Exception of the caller's first engine that raised one.
     failure: Option<PyErr>,
     /// Remarks on runs that were not kept.
-    said: Vec<String>,
+    messages: Vec<String>,
 }
 
 #[pymethods]
@@ -57,8 +57,8 @@ impl Compared {
         self.failure.as_ref().map(|error| error.clone_ref(py))
     }
 
-    fn said(&self) -> Vec<String> {
-        self.said.clone()
+    fn messages(&self) -> Vec<String> {
+        self.messages.clone()
     }
 
     /// The page that opens offline.
@@ -102,9 +102,9 @@ pub(crate) fn compare(
     let named = !asked.is_empty();
     let mut engines = guests::engines(asked, checked)?;
     let (jobs, fresh) = lanes;
-    let mut said = Vec::new();
+    let mut messages = Vec::new();
     let store = comparison::store(fresh).unwrap_or_else(|error| {
-        said.push(format!("runs are not kept: {error}"));
+        messages.push(format!("runs are not kept: {error}"));
         None
     });
     if let Some(store) = &store {
@@ -128,7 +128,7 @@ pub(crate) fn compare(
         };
         comparison::run_on(&input, effort, &lanes, control)
     })?;
-    said.extend(store.iter().flat_map(|store| store.messages()));
+    messages.extend(store.iter().flat_map(|store| store.messages()));
     let failure = raised.iter().find_map(|(name, raised)| {
         let mut all = outcome.participants.iter();
         let failed = all.find(|one| {
@@ -142,7 +142,7 @@ pub(crate) fn compare(
         outcome,
         asked: named,
         failure,
-        said,
+        messages,
     })
 }
 

@@ -122,9 +122,9 @@ fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>)
     };
     command.args(["--ahead", &format!("{name} {divergence}")]);
     let _ = process::run(&mut command, None, &mut |piece| {
-        let said = piece.filter(|piece| !piece.stderr);
-        let said = said.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
-        if let Some(left_s) = said.and_then(|said| said.lines().last()?.parse().ok()) {
+        let output = piece.filter(|piece| !piece.stderr);
+        let output = output.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
+        if let Some(left_s) = output.and_then(|output| output.lines().last()?.parse().ok()) {
             (control.progress)(Progress {
                 left_s: Some(left_s),
                 ..Progress::new(0, 1, name)

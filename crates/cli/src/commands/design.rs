@@ -107,8 +107,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let made = folder.write(|dir, made| design.write(dir, made))?;
     let html = pages::design::page(&design, &made);
     let text = pages::design::text(&design, screen::manner().verbose);
-    let (said, why) = pages::design::answer(&design.limits);
-    screen::answer(format!("bears its load: {said}; {why}"));
+    let (answer, why) = pages::design::answer(&design.limits);
+    screen::answer(format!("bears its load: {answer}; {why}"));
     folder.show(&html, &text)?;
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {

@@ -104,8 +104,8 @@ impl Entry {
                 inside.ok_or_else(|| refused(unknown))
             }
             Self::Browser { token, cookie, key } => {
-                let given = path.strip_prefix("/?token=");
-                if given == Some(token.as_str()) {
+                let sent = path.strip_prefix("/?token=");
+                if sent == Some(token.as_str()) {
                     let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));
@@ -119,7 +119,7 @@ impl Entry {
                 let has_key = question.method != "POST" || question.header(KEY) == Some(key);
                 match (known, has_key) {
                     // A link of an earlier start.
-                    (true, true) if given.is_some() => Ok("/"),
+                    (true, true) if sent.is_some() => Ok("/"),
                     (true, true) => Ok(path),
                     (true, false) => Err(refused(
                         "this page lacks the key of the address: open that address again",
@@ -156,8 +156,8 @@ fn balances(gearbox: &Gearbox, path: &str, stop: &AtomicBool) -> Result<Value, S
     if path == "/sample" {
         return Ok(live::sample(states::sample(gearbox, stop)?));
     }
-    let (found, limits) = states::figures(gearbox, path == "/bands", stop)?;
-    Ok(live::balances(&found, limits.as_ref(), &gearbox.scene))
+    let (figures, limits) = states::figures(gearbox, path == "/bands", stop)?;
+    Ok(live::balances(&figures, limits.as_ref(), &gearbox.scene))
 }
 
 struct Explorer {
@@ -308,9 +308,9 @@ impl From<Failure> for Answer {
 }
 
 /// Returns balances for the page's script; null if they were stopped.
-fn balanced(found: Result<Value, StudyError>) -> Value {
-    match found {
-        Ok(found) => found,
+fn balanced(balances: Result<Value, StudyError>) -> Value {
+    match balances {
+        Ok(balances) => balances,
         Err(StudyError::Cancelled) => LATE,
         Err(why) => json!({"reason": why.to_string()}),
     }
@@ -393,18 +393,18 @@ impl Explorer {
                 late.store(true, Ordering::Relaxed);
             }
         };
-        let found = match states::motion(&gearbox, span_s, &Control::new(&late, &watch)) {
+        let reply = match states::motion(&gearbox, span_s, &Control::new(&late, &watch)) {
             Ok(motion) => live::run(motion.as_ref()),
             Err(_) => Ok(json!({})),
         };
-        let patience = match found {
+        let patience = match reply {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
         };
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
         *locked(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
-        let mut run = found.map_err(reason)?;
+        let mut run = reply.map_err(reason)?;
         run["balanced"] = figures.map_or(LATE, balanced);
         Ok(json_of(&run))
     }
@@ -427,12 +427,12 @@ impl Explorer {
             };
         }
         let begun = Instant::now();
-        let found = balances(&gearbox, path, stop);
-        if path == "/balances" && found.is_ok() {
+        let reply = balances(&gearbox, path, stop);
+        if path == "/balances" && reply.is_ok() {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
-        Ok(json_of(&balanced(found)))
+        Ok(json_of(&balanced(reply)))
     }
 
     /// Cancels the running balances of a page; `stop` cancels the new ones.

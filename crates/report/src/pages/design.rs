@@ -46,10 +46,10 @@ fn given_way(design: &DesignResult) -> (&'static str, String) {
         Some((last, before)) => {
             let before = joined(", ", before.iter().map(|share| share.part));
             let names = joined(" and ", [&before, last.part]);
-            let said = format!(
+            let text = format!(
                 "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
             );
-            ("what gives way", said)
+            ("what gives way", text)
         }
     }
 }
@@ -129,7 +129,7 @@ fn decision(design: &DesignResult, made: &Provenance) -> Decision {
     let cycle = design.cycle.as_ref();
     let run = cycle.and_then(|cycle| cycle.lost_motion_arcmin);
     let both = design.torsion.lost_motion_at_0_arcmin.zip(run);
-    let right = |said, why| Question::Right.answered(Mark::Warn, said, why);
+    let right = |answer, why| Question::Right.answered(Mark::Warn, answer, why);
     let right = match both.filter(|(statics, _)| *statics != 0.0) {
         Some((statics, run)) => {
             let off = format::relative((run / statics - 1.0).abs());
@@ -162,15 +162,15 @@ fn notes(design: &DesignResult) -> Vec<(&'static str, String)> {
     let most = parts.max_by(|a, b| a.share.total_cmp(&b.share));
     notes.extend(most.map(|most| {
         let share = significant(100.0 * most.share, 2);
-        let said = format!("{}: {share} % of the compliance", most.part);
-        ("stiffen this first", said)
+        let text = format!("{}: {share} % of the compliance", most.part);
+        ("stiffen this first", text)
     }));
     notes.extend(design.bands.iter().flat_map(band::rows));
     let (scene, drive) = (&design.scene, &design.scene.drive);
     if drive.output_torque_n_m * drive.input_speed_rad_s * scene.output_per_input() > 0.0 {
-        let said =
+        let text =
             "drives this gear; give drive.output_torque_n_m the other sign for a load that resists";
-        notes.push(("load", said.to_owned()));
+        notes.push(("load", text.to_owned()));
     }
     notes
 }
@@ -188,12 +188,12 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// Returns the text for a terminal; `whole`: with the definition of each figure.
-pub fn text(design: &DesignResult, whole: bool) -> String {
+/// Returns the text for a terminal; `verbose`: with the definition of each figure.
+pub fn text(design: &DesignResult, verbose: bool) -> String {
     let mut table = table("", &design.figures, |one| how(design, one));
     let mut rows = vec![(limits::QUESTION, limits::sentence(&design.limits))];
     rows.extend(unsure(design));
-    if !whole {
+    if !verbose {
         table.columns.pop();
         // Reasons for missing figures are essential.
         let without = design.figures.iter();
@@ -205,12 +205,12 @@ pub fn text(design: &DesignResult, whole: bool) -> String {
     rows.extend(notes(design));
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
     rows.push(("next", next.to_owned()));
-    if !whole {
-        let verbose = "how each figure is, and every limit: --verbose, or the page";
-        rows.push(("counted", verbose.to_owned()));
+    if !verbose {
+        let hint = "how each figure is, and every limit: --verbose, or the page";
+        rows.push(("counted", hint.to_owned()));
     }
     let limits = &design.limits;
-    let limits = whole.then(|| terminal::table(&limits::table(limits)) + "\n");
+    let limits = verbose.then(|| terminal::table(&limits::table(limits)) + "\n");
     let table = terminal::table(&table) + "\n";
     let parts = [table, limits.unwrap_or_default(), terminal::pairs(rows)];
     titled(&design.scene.name, parts)
@@ -241,12 +241,12 @@ pub fn draft(draft: &Draft, weak: Option<(Limits, Option<f64>)>) -> String {
     let how = "external, rigid: 4 T/(e zs zk)";
     rows.push(row("largest pin force", force, how));
     if let Some((limits, times)) = weak {
-        let (said, why) = answer(&limits);
+        let (word, why) = answer(&limits);
         let remedy = times.map_or_else(
             || "give a larger diameter or a smaller torque".to_owned(),
             |times| format!("a diameter {} times as large does", significant(times, 3)),
         );
-        rows.push(row(limits::QUESTION, said, &format!("{why}; {remedy}")));
+        rows.push(row(limits::QUESTION, word, &format!("{why}; {remedy}")));
     }
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);

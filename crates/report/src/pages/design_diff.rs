@@ -165,7 +165,7 @@ fn value(change: &KeyDiff, of: usize) -> String {
     };
     let both = change.values.each_ref().map(short);
     match &change.values[of] {
-        Some(whole) if both[0] == both[1] => whole.to_string(),
+        Some(value) if both[0] == both[1] => value.to_string(),
         _ => both[of].clone(),
     }
 }

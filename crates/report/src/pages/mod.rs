@@ -105,8 +105,8 @@ fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
     } else {
         ""
     };
-    let said = format!("{alone}to {}", format::relative(width));
-    Some(Question::Sure.answered(mark, said, why))
+    let answer = format!("{alone}to {}", format::relative(width));
+    Some(Question::Sure.answered(mark, answer, why))
 }
 
 /// Name and description of a scene.
@@ -124,6 +124,6 @@ const DOUBT: &str = "doubt";
 /// Returns rows on doubtful values of a scene.
 fn doubts(scene: &CheckedScene) -> Vec<(&'static str, String)> {
     let doubts = pinwheel_scene::doubts(scene).into_iter();
-    let said = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));
-    doubts.map(said).collect()
+    let row = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));
+    doubts.map(row).collect()
 }

@@ -160,12 +160,12 @@ fn claims(result: &PaperResult) -> Section {
 }
 
 fn costs(result: &PaperResult) -> Section {
-    let whole = Cost {
+    let study = Cost {
         what: format!("this whole study, {} runs", result.runs),
         paper_s: None,
         ours_s: result.wall_s,
     };
-    let table = Table::of("Cost of a run", result.costs.iter().chain([&whole]))
+    let table = Table::of("Cost of a run", result.costs.iter().chain([&study]))
         .text("", "Analysis", |cost| &cost.what)
         .number("", "The paper", |cost| cost.paper_s)
         .shown(Shown::Seconds)

@@ -26,8 +26,8 @@ fn results(results: &Results, looked: bool) -> Vec<(&'static str, String)> {
     if results.statistic("mean", torque).is_some() {
         let [mean, least, most] = ["mean", "min", "max"].map(|kind| of(kind, torque));
         let from = format::seconds(results.from_s);
-        let said = format!("mean {mean} N m; {least} to {most}, from {from} on");
-        rows.push(("driver torque", said));
+        let text = format!("mean {mean} N m; {least} to {most}, from {from} on");
+        rows.push(("driver torque", text));
     }
     for (label, group) in [
         ("external forces", columns::EXTERNAL_FORCE),
@@ -40,8 +40,8 @@ fn results(results: &Results, looked: bool) -> Vec<(&'static str, String)> {
     }
     let percent = |share: &Figure| cell(&share.scaled(100.0, "%"));
     if let Some(share) = results.get(&SHARE_DELIVERED) {
-        let said = || format!("{} % {}", percent(share), share.def.how);
-        rows.push(("efficiency", share.withheld.clone().unwrap_or_else(said)));
+        let text = || format!("{} % {}", percent(share), share.def.how);
+        rows.push(("efficiency", share.withheld.clone().unwrap_or_else(text)));
     }
     let lost = FRICTION.iter().filter_map(|def| results.get(def));
     let lost = lost.map(|share| format!("{} {} %", share.def.label, percent(share)));
@@ -73,7 +73,7 @@ pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
     let mut rows = results(&outcome.results(), outcome.resolution.is_some());
     rows.extend(settings(outcome));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
-    rows.retain(|(_, said)| !said.is_empty());
+    rows.retain(|(_, text)| !text.is_empty());
     titled(&outcome.scene.name, [pairs(rows)])
 }
 
@@ -89,8 +89,8 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
     };
     let heads = forces.filter(is_head).chain(&share);
     let facts = settings(outcome).into_iter();
-    let facts = facts.filter(|(_, said)| !said.is_empty());
-    let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
+    let facts = facts.filter(|(_, text)| !text.is_empty());
+    let facts = facts.map(|(label, text)| Fact::new(label, Mark::warn(label == DOUBT), text));
     let over_time = time_series(outcome);
     let over_time = over_time.map(|drawn| Section::new("courses", "Over time").with(drawn));
     let every = figure::table("Figures", &results.figures, figure::how);

@@ -125,13 +125,13 @@ impl ChartData {
         let time_s = drawn.first()?.participant.time_series.time_s();
         let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
         let most = quantities.iter().map(|q| q.channels.len()).max();
-        let whole = Plan {
+        let full = Plan {
             channels: most.unwrap_or(0),
             samples: time_s.len(),
             digits: DIFFERENCE_DIGITS[0],
         };
-        let (plan, mut quantities) = fitting(whole, &quantities, &drawn);
-        plan.tell(whole, &mut notes);
+        let (plan, mut quantities) = fitting(full, &quantities, &drawn);
+        plan.tell(full, &mut notes);
         let line = |d: &Drawn<'_>| {
             json!({
                 "name": d.participant.name,
@@ -220,12 +220,8 @@ struct Plan {
 }
 
 /// Reduces the plan to the budget: first invisible digits, then samples between peaks, then channels.
-fn fitting(
-    whole: Plan,
-    quantities: &[Quantity],
-    drawn: &[Drawn<'_>],
-) -> (Plan, Vec<ChartQuantity>) {
-    let mut plan = whole;
+fn fitting(full: Plan, quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuantity>) {
+    let mut plan = full;
     // Skips packing of a long run that is certainly too large: a value takes at least a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
     let most = (4 * BUDGET / columns.max(1)).max(FEW_SAMPLES);
@@ -256,19 +252,19 @@ fn fitting(
 
 impl Plan {
     /// Appends notes on the parts that the plan omits.
-    fn tell(self, whole: Self, notes: &mut Vec<String>) {
+    fn tell(self, full: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
              all digits and samples.",
             100.0 * 0.5f64.powi(self.digits + 1)
         ));
-        if self.channels < whole.channels {
+        if self.channels < full.channels {
             notes.push(format!(
                 "To keep this page small, {} evenly spaced channels of larger groups are drawn.",
                 self.channels
             ));
         }
-        if self.samples < whole.samples {
+        if self.samples < full.samples {
             notes.push(format!(
                 "To keep this page small, of every stretch only the samples are drawn in which a channel is smallest or \
                  largest or its engines are furthest apart, {} in all: no peak is lost.",
@@ -457,12 +453,12 @@ mod tests {
 
     #[test]
     fn samples_find_their_times() {
-        let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
+        let all: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
         let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
-        let rows = standing(&every, &whole).unwrap();
+        let rows = standing(&every, &all).unwrap();
         assert_eq!(rows, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
-        assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
-        assert_eq!(standing(&[1.5e-4], &whole), None);
+        assert_eq!(standing(&all[40..], &all).unwrap()[0], 40);
+        assert_eq!(standing(&[1.5e-4], &all), None);
     }
 
     #[test]
@@ -516,8 +512,8 @@ mod tests {
         let mut rig = engine("rig", SharedModel::Measured, 1.02, 1);
         let mut gapped = rig.time_series.clone();
         let late = pinwheel_timeseries::TimeSeries::new(gapped.time_s().to_vec()).unwrap();
-        let whole = std::mem::replace(&mut gapped, late);
-        for channel in whole.channels() {
+        let full = std::mem::replace(&mut gapped, late);
+        for channel in full.channels() {
             let mut values = channel.values.clone();
             values[..100].fill(f64::NAN);
             gapped.push(channel.name.clone(), values).unwrap();

@@ -295,7 +295,7 @@ pub struct Item {
     /// Mark of the verdict.
     pub mark: Mark,
     /// Text of the verdict.
-    pub said: String,
+    pub badge: String,
     /// Quantity and window of the verdict.
     pub beside: String,
     /// True if the item is unfolded at first.

@@ -267,10 +267,10 @@ fn item_html(item: &Item, inside: &str) -> String {
         Mark::Bad => ("exceeded", "\u{2715}"),
         Mark::None | Mark::Warn | Mark::Muted => ("unjudged", "\u{25cb}"),
     };
-    let [id, name, said, beside] =
-        [&item.id, &item.name, &item.said, &item.beside].map(|text| escape(text));
+    let [id, name, badge, beside] =
+        [&item.id, &item.name, &item.badge, &item.beside].map(|text| escape(text));
     format!(
-        "<details class=\"item {class}\" id=\"{id}\"{}><summary><b>{name}</b> <span class=\"badge {class}\">{sign} {said}</span> \
+        "<details class=\"item {class}\" id=\"{id}\"{}><summary><b>{name}</b> <span class=\"badge {class}\">{sign} {badge}</span> \
          <span class=\"of\">{beside}</span></summary>{inside}</details>",
         if item.open { " open" } else { "" }
     )

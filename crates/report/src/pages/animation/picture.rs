@@ -344,11 +344,11 @@ mod tests {
             series.push(name, vec![1e-5; 11]).unwrap();
         }
         let rigid = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
-        let seen = |made: Animation| [made.view["offset"].clone(), made.view["channels"].clone()];
-        assert_eq!(seen(rigid), [json!(0.0), json!(9)]);
+        let view = |made: Animation| [made.view["offset"].clone(), made.view["channels"].clone()];
+        assert_eq!(view(rigid), [json!(0.0), json!(9)]);
         scene.bearings.eccentric = Some(Default::default());
         let floating = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
-        assert_eq!(seen(floating), [json!(20.0), json!(11)]);
+        assert_eq!(view(floating), [json!(20.0), json!(11)]);
     }
 
     #[test]

@@ -52,8 +52,8 @@ fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance)
     let mark = if there > 0 { Mark::Good } else { Mark::Warn };
     let apart = format::relative(study.reference.apart.forces);
     let second = "of forces: the converged run, from a second one by another method";
-    let said = format::counted(there, "peer agrees", "peers agree");
-    let right = Question::Right.answered(mark, said, why);
+    let answer = format::counted(there, "peer agrees", "peers agree");
+    let right = Question::Right.answered(mark, answer, why);
     let sure = Question::Sure.answered(Mark::None, format!("to {apart}"), second);
     let next = crate::pages::next(made, "compare", "whether engines agree on this scene");
     [Some(right), None, Some(sure), Some(next)]

@@ -42,12 +42,12 @@ impl<'a> Answer<'a> {
 
     /// Returns the verdict with the main figure, and the counts of all verdicts.
     pub(super) fn verdict(&self) -> Verdict {
-        let (tone, word, said) = self.judged();
+        let (tone, word, main) = self.judged();
         Verdict {
             tone,
-            headline: match said.as_str() {
+            headline: match main.as_str() {
                 "" => word,
-                said => format!("{word}: {said}"),
+                main => format!("{word}: {main}"),
             },
             detail: words::counts(self.comparison()),
         }
@@ -99,22 +99,22 @@ impl<'a> Answer<'a> {
         if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
             let off = twin.worst().map(|worst| percent(worst.difference()));
             let (engine, off) = (words::short(&twin.engine), off.unwrap_or_default());
-            let said = format!("{engine} is {off} from a native run with the same contacts");
-            return (Tone::Bad, "Differs".to_owned(), said);
+            let detail = format!("{engine} is {off} from a native run with the same contacts");
+            return (Tone::Bad, "Differs".to_owned(), detail);
         }
         let (tone, word) = self.of_engines();
         if tone == Tone::Good && outcome.is_unexplained() {
             let largest = outcome.largest().map(|largest| self.apart(&largest));
-            let said = largest.unwrap_or_default();
-            return (Tone::Open, "Not confirmed".to_owned(), said);
+            let detail = largest.unwrap_or_default();
+            return (Tone::Open, "Not confirmed".to_owned(), detail);
         }
-        let said = self.worst(Judged::Differ, |_| true);
-        let said = said.or_else(|| self.unbalanced());
-        let said = said.unwrap_or_else(|| self.first_figure());
+        let detail = self.worst(Judged::Differ, |_| true);
+        let detail = detail.or_else(|| self.unbalanced());
+        let detail = detail.unwrap_or_else(|| self.first_figure());
         if let (Tone::Good, Some(scope)) = (tone, self.scope()) {
-            return (Tone::Open, format!("{word}, {scope}"), said);
+            return (Tone::Open, format!("{word}, {scope}"), detail);
         }
-        (tone, word, said)
+        (tone, word, detail)
     }
 
     /// Returns the verdict of the engines, without limitations. An engine excluded beforehand does not count as broken.
@@ -174,9 +174,9 @@ impl<'a> Answer<'a> {
             Tone::Bad => Mark::Bad,
             Tone::Neutral | Tone::Open => Mark::Warn,
         };
-        let said = self.equations().text;
-        let (said, why) = said.split_once([';', ':']).unwrap_or((&said, ""));
-        let right = Question::Right.answered(mark, said, why.trim_start());
+        let answer = self.equations().text;
+        let (answer, why) = answer.split_once([';', ':']).unwrap_or((&answer, ""));
+        let right = Question::Right.answered(mark, answer, why.trim_start());
         let next = match self.open().first() {
             None => pages::next(made, "design", "stiffness, lost motion, pressure"),
             Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
@@ -190,7 +190,7 @@ impl<'a> Answer<'a> {
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
         let unbalanced = self.unbalanced();
-        facts.extend(unbalanced.map(|said| Fact::new("balance", Mark::Bad, said)));
+        facts.extend(unbalanced.map(|text| Fact::new("balance", Mark::Bad, text)));
         facts.extend(self.integration());
         facts.push(self.contacts());
         facts.extend(self.difference());
@@ -366,10 +366,10 @@ impl<'a> Answer<'a> {
         });
         let law = Fact::new("contact law", mark, text);
         let gear = &scene.gear;
-        let given = bands.tolerances.is_some()
+        let stated = bands.tolerances.is_some()
             || gear.modification.equidistant_m != 0.0
             || gear.backlash_m != 0.0;
-        let fit = band::fit(bands).map(|text| match given {
+        let fit = band::fit(bands).map(|text| match stated {
             true => Fact::new("fit", Mark::None, text),
             false => Fact::new("fit", Mark::Warn, format!("none given: {text}")),
         });
@@ -379,7 +379,7 @@ impl<'a> Answer<'a> {
     fn measured(&self) -> Option<Fact> {
         let pairs = || self.entries(|pair| pair.track == SharedModel::Measured);
         let (mut pair, mut entry) = Assessment::gravest(pairs(), |(_, entry)| &entry.result)?;
-        let mut said = words::verdict(&entry.result, self.number);
+        let mut verdict = words::verdict(&entry.result, self.number);
         // Without an uncertainty the distance is still available.
         let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
         if entry.result.verdict == Judged::NotCompared {
@@ -388,12 +388,12 @@ impl<'a> Answer<'a> {
                 (pair, entry) = (of, farthest);
                 let place = self.label(entry);
                 let apart = (self.number)(l2);
-                said = format!("{said}; at most {apart} apart (relative L2, {place})");
+                verdict = format!("{verdict}; at most {apart} apart (relative L2, {place})");
             }
         }
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let mark = Mark::good(entry.result.verdict == Judged::Agree);
-        let text = format!("{a} and {b}: {said}");
+        let text = format!("{a} and {b}: {verdict}");
         Some(Fact::new("measurement", mark, text))
     }
 

@@ -55,7 +55,7 @@ impl Page<'_> {
                         _ => None,
                     });
                     let why = why.unwrap_or_default();
-                    format!("{}, {}: {}. {why}", item.name, item.beside, item.said)
+                    format!("{}, {}: {}. {why}", item.name, item.beside, item.badge)
                 });
                 let summary = format!("{} not resolved", group.len());
                 blocks.push(Block::folded(summary, Block::List(sentences.collect())));
@@ -106,7 +106,7 @@ impl Page<'_> {
             id: id(place),
             name,
             mark: gravest.map_or(Mark::Muted, |entry| mark(&entry.result)),
-            said: match gravest {
+            badge: match gravest {
                 Some(entry) => words::verdict(&entry.result, relative),
                 None => Verdict::NotCompared.word().to_owned(),
             },
@@ -128,7 +128,7 @@ impl Page<'_> {
         let item = Item {
             id: format!("alone-{}", engine.name),
             mark: mark(worst),
-            said: words::verdict(worst, relative),
+            badge: words::verdict(worst, relative),
             beside,
             open: worst.rank() == 4,
             blocks: self.judged(&name, rows),

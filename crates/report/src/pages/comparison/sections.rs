@@ -240,7 +240,7 @@ impl<'a> Page<'a> {
             .text("", "Settings and notes", |e| {
                 let notes = e.cost.recorded.iter().chain(&e.cost.notes);
                 let all = [&e.cost.settings].into_iter().chain(notes);
-                joined("; ", all.filter(|said| !said.is_empty()))
+                joined("; ", all.filter(|text| !text.is_empty()))
             });
         Section::new("costs", "Costs")
             .with("Times are of this machine and now, but for those of recorded and kept runs; counts are not.")
@@ -311,7 +311,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
     let reasons = distinct(rows.iter().filter_map(of));
-    let said = reasons.into_iter().map(|reason| {
+    let texts = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
         let whose = match without.clone().count() == rows.len() {
             true => String::new(),
@@ -322,7 +322,7 @@ fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
         };
         format!("No efficiency{whose}: {reason}.").into()
     });
-    said.collect()
+    texts.collect()
 }
 
 #[cfg(test)]

@@ -47,11 +47,11 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
     };
-    let said = match (&located.cause, located.first()) {
+    let cause = match (&located.cause, located.first()) {
         (None, Some(_)) => located.off(),
         _ => located.in_full(),
     };
-    let title = format!("{}: {said}", words::short(&located.run));
+    let title = format!("{}: {cause}", words::short(&located.run));
     let table = Table::of(&title, &located.stages)
         .text("", "Stage", |judged| judged.stage.name())
         .text("", "Verdict", |judged| word(judged))

@@ -206,9 +206,9 @@ fn measured(comparison: &Comparison) -> Table {
             .unit("%")
             .shown(Shown::Percent);
     }
-    let said = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
+    let verdict = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
     table
-        .text("", "verdict", |(_, entry, _)| said(entry))
+        .text("", "verdict", |(_, entry, _)| verdict(entry))
         .done()
 }
 
@@ -240,20 +240,20 @@ fn pairs(comparison: &Comparison) -> Table {
             let graver = rank(a.1).cmp(&rank(b.1));
             graver.then(a.1.result.share().total_cmp(&b.1.result.share()))
         });
-        let said = worst.map_or_else(Said::default, |(pair, entry)| {
-            let said = words::verdict(&entry.result, brief_number);
-            (format!("{}: {said}", name(pair)), mark(&entry.result))
+        let verdict = worst.map_or_else(Said::default, |(pair, entry)| {
+            let verdict = words::verdict(&entry.result, brief_number);
+            (format!("{}: {verdict}", name(pair)), mark(&entry.result))
         });
-        rows.push((shares.to_owned(), Some(counts), said));
+        rows.push((shares.to_owned(), Some(counts), verdict));
     }
     let known = comparison.pairs.iter();
     let known = known.filter_map(|pair| Some((pair, words::gravest(pair)?)));
     let mut open: Vec<(&Pair, &PairEntry)> = known.filter(|(_, e)| e.result.actionable).collect();
     open.sort_by_key(|(_, entry)| std::cmp::Reverse(entry.result.rank()));
     for (pair, entry) in open.into_iter().take(LISTED) {
-        let said = words::verdict(&entry.result, brief_number);
-        let said = format!("{said}; {}", place(entry));
-        rows.push((name(pair), None, (said, mark(&entry.result))));
+        let verdict = words::verdict(&entry.result, brief_number);
+        let verdict = format!("{verdict}; {}", place(entry));
+        rows.push((name(pair), None, (verdict, mark(&entry.result))));
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)
@@ -262,7 +262,7 @@ fn pairs(comparison: &Comparison) -> Table {
         .whole("", "inconcl.", |(_, counts, _)| {
             Some((*counts)?.inconclusive)
         })
-        .text("", "at worst", |(.., (said, _))| said)
+        .text("", "at worst", |(.., (verdict, _))| verdict)
         .marked(|(.., (_, mark))| *mark)
         .done()
 }

@@ -31,13 +31,13 @@ pub fn answer(limits: &Limits) -> (String, String) {
     let Some((limit, by)) = limits.tightest().zip(limits.margin.map(margin)) else {
         return ("not judged".to_owned(), String::new());
     };
-    let said = match limits.bears_its_load {
+    let word = match limits.bears_its_load {
         Answer::Yes => format!("yes, margin {by}"),
         Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
         _ => format!("margin {by}, as far as judged"),
     };
     let (name, allowed) = (named(limit), with_unit(limit, limit.permissible));
-    (said, format!("{name}: {allowed} by {}", limit.source))
+    (word, format!("{name}: {allowed} by {}", limit.source))
 }
 
 /// Returns the answer as a sentence.
@@ -64,14 +64,14 @@ fn mark(limits: &Limits) -> Mark {
 }
 
 pub(crate) fn tile(limits: &Limits) -> Tile {
-    let (said, why) = answer(limits);
+    let (word, why) = answer(limits);
     let open = || limits.each.iter().filter(|limit| limit.margin.is_none());
     let why = match open().next() {
         Some(first) if open().count() == limits.each.len() => first.source.clone(),
         // Its source stands in the table.
         _ => why.split(" by ").next().unwrap_or_default().to_owned(),
     };
-    Question::Bears.answered(mark(limits), said, why)
+    Question::Bears.answered(mark(limits), word, why)
 }
 
 /// Tile of two gears: their margins, and the decisive limit of the second.

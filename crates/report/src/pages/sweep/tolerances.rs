@@ -75,13 +75,13 @@ const TAILS: usize = 20;
 /// Returns `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`; for few runs their ends, without spread the value alone.
 pub(super) fn in_words(figure: &FigureOfSample) -> String {
     let [low, middle, high] = between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
-    let said = |value| significant(value, DIGITS);
+    let rounded = |value| significant(value, DIGITS);
     let [low, high] = if figure.count < TAILS {
         figure.range
     } else {
         [low, high]
     };
-    let (middle, [from, to]) = (said(middle), [low, high].map(said));
+    let (middle, [from, to]) = (rounded(middle), [low, high].map(rounded));
     let spread = match figure.count {
         count if low == high => format!("in all {count} runs"),
         count if count < TAILS => format!("{count} runs from {from} to {to}"),
@@ -146,10 +146,10 @@ pub(super) fn sure(plan: &Plan, samples: &[SampleResult]) -> Option<Tile> {
     let median = between(figure)[1]?;
     let off = |end: Option<f64>| Some((end? / median.value - 1.0).abs());
     let [below, above] = median.interval.map(off);
-    let said = format!("to {}", relative(below?.max(above?)));
+    let answer = format!("to {}", relative(below?.max(above?)));
     let (label, runs) = (&figure.def.label, figure.count);
     let why = format!("median of {label} over {runs} runs, with 95 % confidence");
-    Some(Question::Sure.answered(Mark::None, said, why))
+    Some(Question::Sure.answered(Mark::None, answer, why))
 }
 
 /// The section of a sample.
