@@ -81,9 +81,9 @@ impl Folder {
         &self,
         write: impl FnOnce(&Path, &Provenance) -> Result<(), E>,
     ) -> Result<Provenance, Failure> {
-        let made = Provenance::here(args::typed());
-        write(self.path(), &made).map_err(E::into)?;
-        Ok(made)
+        let origin = Provenance::here(args::typed());
+        write(self.path(), &origin).map_err(E::into)?;
+        Ok(origin)
     }
 
     /// Writes the page.

@@ -248,8 +248,8 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
     let mut inputs = request.inputs.iter().filter(|_| target.is_dir());
     if let Some(input) = inputs.find(|path| within(path)) {
         let input = input.display();
-        let whole = "which is read, and an output folder is replaced as a whole";
-        return Err(refused(shown, format!("holds {input}, {whole}")));
+        let suffix = "which is read, and an output folder is replaced as a whole";
+        return Err(refused(shown, format!("holds {input}, {suffix}")));
     }
     #[cfg(unix)]
     {

@@ -42,8 +42,8 @@ impl Lock {
                         "it holds `{name}` and no `{LOCK}` by which pinwheel knows its own"
                     ));
                 }
-                let made = options.create(true).truncate(false).open(&path);
-                (made.map_err(failed)?, true)
+                let created = options.create(true).truncate(false).open(&path);
+                (created.map_err(failed)?, true)
             }
             Err(error) => return Err(failed(error)),
         };

@@ -25,14 +25,14 @@ pub enum LawError {
     #[error("{0}")]
     Gearbox(#[from] GearboxError),
     /// Array of a wrong length.
-    #[error("{what} must have {wanted} numbers, not {given}")]
+    #[error("{what} must have {wanted} numbers, not {actual}")]
     Length {
         /// Name of the array.
         what: &'static str,
         /// Required number of values.
         wanted: usize,
         /// Given number of values.
-        given: usize,
+        actual: usize,
     },
     /// State that is not finite.
     #[error("the state of body {body} is not finite, so there are no forces")]
@@ -154,16 +154,16 @@ impl Law {
     /// Wrong lengths, or states that are not finite; the loads are then NaN.
     pub fn loads(&mut self, states: &[f64], loads: &mut [f64]) -> Result<(), LawError> {
         let count = self.bodies.len();
-        for (what, given, wanted) in [
+        for (what, actual, wanted) in [
             ("states", states.len(), STATE * count),
             ("loads", loads.len(), LOAD * count),
         ] {
-            if given != wanted {
+            if actual != wanted {
                 loads.fill(f64::NAN);
                 return Err(LawError::Length {
                     what,
                     wanted,
-                    given,
+                    actual,
                 });
             }
         }

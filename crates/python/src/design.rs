@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{Raises, input, of_key, plain};
 use crate::scene::Core;
-use crate::studies::made;
+use crate::studies::origin;
 use crate::supervise::{Desk, supervised};
 
 /// Returns the value of a key of a dictionary.
@@ -42,7 +42,7 @@ pub(crate) fn gear(name: String, gear: &Bound<'_, PyAny>) -> Raises<String> {
     }
     let material = |name: String| named("material", &name, MATERIALS, |known| known.name).copied();
     let process = |name: String| named("process", &name, PROCESSES, |known| known.name);
-    let (pins, made): (Option<String>, Option<String>) =
+    let (pins, method): (Option<String>, Option<String>) =
         (value(gear, "pin_material")?, value(gear, "process")?);
     let (outer, cranks): (Option<f64>, Option<usize>) =
         (value(gear, "outer_diameter_m")?, value(gear, "cranks")?);
@@ -60,7 +60,7 @@ pub(crate) fn gear(name: String, gear: &Bound<'_, PyAny>) -> Raises<String> {
         speed_rad_s: value(gear, "speed_rad_s")?,
         material: material(value(gear, "material")?)?,
         pin_material: pins.map(material).transpose()?,
-        process: made.map(process).transpose()?,
+        process: method.map(process).transpose()?,
         ideal: value(gear, "ideal")?,
         pin_diameter_m: value(gear, "pin_diameter_m")?,
         eccentricity_m: value(gear, "eccentricity_m")?,
@@ -106,7 +106,7 @@ impl Designed {
 
     /// Returns the page, which needs no network.
     fn page(&self) -> String {
-        pages::design::page(&self.design, &made())
+        pages::design::page(&self.design, &origin())
     }
 
     /// Returns the text for a terminal.

@@ -15,7 +15,7 @@ use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
 /// Returns the origin for pages, with the command of the Python package.
-pub(crate) fn made() -> Provenance {
+pub(crate) fn origin() -> Provenance {
     Provenance::here("python: import pinwheel")
 }
 
@@ -63,7 +63,7 @@ impl Compared {
 
     /// The page that opens offline.
     fn page(&self) -> String {
-        pages::comparison::page(&self.outcome, &made())
+        pages::comparison::page(&self.outcome, &origin())
     }
 
     /// Returns the text for a terminal.
@@ -160,7 +160,7 @@ impl Benched {
     }
 
     fn page(&self) -> String {
-        pages::bench::page(&self.0, &made())
+        pages::bench::page(&self.0, &origin())
     }
 
     fn text(&self) -> String {

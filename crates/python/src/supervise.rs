@@ -181,8 +181,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
 /// Returns the package's exception for a run that was stopped.
 fn stopped(py: Python<'_>) -> PyErr {
     let errors = py.import("pinwheel_engines.errors");
-    let made = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
-    made.map_or_else(|broken| broken, PyErr::from_value)
+    let exception = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
+    exception.map_or_else(|broken| broken, PyErr::from_value)
 }
 
 impl Call {

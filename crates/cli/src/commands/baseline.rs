@@ -72,8 +72,8 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let here = made(options.kernel);
     let check = watched(|control| baseline::check(&accepted, here, &options, control))?;
 
-    let made = folder.write(|dir, made| baseline::write(name, &check, &accepted, dir, made))?;
-    let page = pages::baseline::page(name, &accepted, &check, &made);
+    let origin = folder.write(|dir, of| baseline::write(name, &check, &accepted, dir, of))?;
+    let page = pages::baseline::page(name, &accepted, &check, &origin);
     folder.show(&page, &pages::baseline::text(name, &check))?;
     if let Some(path) = &args.junit {
         let suite = junit::of_baseline(name, &check);

@@ -61,8 +61,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let mut outcome = outcome.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
     // An engine that was asked for by name and is left out ends in an error.
     outcome.comparison.passed &= outcome.broken(asked_by_name).is_none();
-    let made = folder.write(|dir, made| outcome.write(dir, made))?;
-    let page = pages::comparison::page(&outcome, &made);
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+    let page = pages::comparison::page(&outcome, &origin);
     let mut text = pages::comparison::text(scene, &outcome);
     if screen::manner().verbose {
         text.push('\n');
@@ -84,12 +84,12 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 
 /// The failure of a comparison, and how it goes on if it was stopped.
 fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
-    let made = store.map_or(0, Store::made);
+    let stored = store.map_or(0, Store::made);
     match error {
-        StudyError::Cancelled if made > 0 => {
+        StudyError::Cancelled if stored > 0 => {
             let without = if fresh { " without --fresh" } else { "" };
             let kept = format!(
-                "stopped; {made} runs are kept: the same command{without} goes on with them"
+                "stopped; {stored} runs are kept: the same command{without} goes on with them"
             );
             Failure::new(STOPPED, kept)
         }
@@ -166,8 +166,8 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         efforts: [a?, b?],
     };
     let diff = watched(|control| design_diff::run(&input, control))?;
-    let made = folder.write(|dir, made| diff.write(dir, made))?;
-    let page = pages::design_diff::page(&diff, &made);
+    let origin = folder.write(|dir, origin| diff.write(dir, origin))?;
+    let page = pages::design_diff::page(&diff, &origin);
     folder.show(&page, &pages::design_diff::text(&diff))?;
     if let Some((name, reason)) = diff.broken() {
         return Err(Failure::engine(format!(

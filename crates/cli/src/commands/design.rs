@@ -104,8 +104,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
         design.fit_rest(stated)?;
     }
-    let made = folder.write(|dir, made| design.write(dir, made))?;
-    let html = pages::design::page(&design, &made);
+    let origin = folder.write(|dir, origin| design.write(dir, origin))?;
+    let html = pages::design::page(&design, &origin);
     let text = pages::design::text(&design, screen::manner().verbose);
     let (answer, why) = pages::design::answer(&design.limits);
     screen::answer(format!("bears its load: {answer}; {why}"));
@@ -113,7 +113,7 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {
         settings.idle_in_design(&design, took, control, |other| {
-            pages::design::page(other, &made) == html
+            pages::design::page(other, &origin) == html
         })
     })?;
     Ok(design.limits.exceeded().map_or(0, |_| DIFFER))

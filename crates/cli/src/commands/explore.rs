@@ -362,11 +362,11 @@ impl Explorer {
         let scene = states::scene(&self.spec, &self.settled, &[]);
         let scene = scene.map_err(|why| plain(422, mend(why)))?;
         *locked(&self.span_s) = states::span_s(&scene);
-        let made = Provenance::here(args::typed());
+        let origin = Provenance::here(args::typed());
         let gearbox = states::quick(&scene).map_err(|why| plain(422, why))?;
         let motion = states::motion(&gearbox, states::span_s(&scene), &Control::silent(gone));
         let motion = motion.map_err(Failure::from)?;
-        let text = live::page(&scene, motion.as_ref(), &made);
+        let text = live::page(&scene, motion.as_ref(), &origin);
         text.map(page).map_err(|why| plain(422, why))
     }
 
@@ -549,8 +549,8 @@ impl Explorer {
             ..Effort::of(scene)
         };
         let outcome = comparison::run_with(&input, effort, &control)?;
-        let made = folder.write(|dir, made| outcome.write(dir, made))?;
-        let page = pages::comparison::page(&outcome, &made);
+        let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+        let page = pages::comparison::page(&outcome, &origin);
         folder.write_page(&page)?;
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))

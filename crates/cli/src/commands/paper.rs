@@ -29,7 +29,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
             "the paper's figures cannot be computed: {error}; leave the figure out with --figures"
         )),
     })?;
-    let made = folder.write(|dir, made| result.write(dir, &options, made))?;
-    let page = pages::paper::page(&result, &made);
+    let origin = folder.write(|dir, origin| result.write(dir, &options, origin))?;
+    let page = pages::paper::page(&result, &origin);
     folder.show(&page, &pages::paper::text(&result))
 }

@@ -29,9 +29,9 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
                 .for_page(&gearbox, control),
         }
     })?;
-    let made = folder.write(|dir, made| outcome.write(dir, made))?;
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
     if !args.unchecked {
-        folder.write_page(&pages::single::page(&outcome, &made))?;
+        folder.write_page(&pages::single::page(&outcome, &origin))?;
     }
     let place = folder.publish()?;
     if !args.unchecked {

@@ -52,8 +52,8 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
     let folder = Folder::of(out, label, &relative(file))?;
     check_junit(junit, folder.place())?;
     let outcome = watched(|control| conformance::check(&solver, control))?;
-    let made = folder.write(|dir, made| outcome.write(dir, made))?;
-    let page = pages::conformance::page(&outcome, &made);
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+    let page = pages::conformance::page(&outcome, &origin);
     folder.show(&page, &pages::conformance::text(&outcome))?;
     if let Some(path) = junit {
         junit::write(path, "pinwheel solver check", vec![outcome.suite()])?;

@@ -59,7 +59,7 @@ pub fn text(outcome: &Outcome) -> String {
 }
 
 /// Returns the page.
-pub fn page(outcome: &Outcome, made: &Provenance) -> String {
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
     let stages = outcome.stages.iter();
     let stages = stages.map(|located| Section::new("stages", "Stages").with(blocks(located)));
     let trials = Section::new("trials", "Trials").with(table(outcome, false));
@@ -77,5 +77,5 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
         sections: stages.chain([trials]).collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }

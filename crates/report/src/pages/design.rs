@@ -22,7 +22,7 @@ pub use limits::answer;
 pub(crate) use limits::{both_bear, tile as bears};
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
-use crate::pages::{DOUBT, animation, band, doubts};
+use crate::pages::{DOUBT, animation, band, doubts, next, render, sure};
 use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
@@ -60,7 +60,7 @@ const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts
                              gears are softer by factors.";
 
 /// Returns the page.
-pub fn page(design: &DesignResult, made: &Provenance) -> String {
+pub fn page(design: &DesignResult, origin: &Provenance) -> String {
     let scene = &design.scene;
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
@@ -99,7 +99,7 @@ pub fn page(design: &DesignResult, made: &Provenance) -> String {
             scene.contact.law
         ),
         tiles_title: format!("At {} N m", format::plain(design.rated_torque_n_m)),
-        decision: decision(design, made),
+        decision: decision(design, origin),
         tiles: headlines(design).map(figure::tile).collect(),
         below: vec![
             Block::heading("May I use them?"),
@@ -116,7 +116,7 @@ pub fn page(design: &DesignResult, made: &Provenance) -> String {
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    render(study, origin)
 }
 
 /// Figures of the first screen.
@@ -125,7 +125,7 @@ fn headlines(design: &DesignResult) -> impl Iterator<Item = &Figure> {
     figures.filter(|one| is_headline(&one.def))
 }
 
-fn decision(design: &DesignResult, made: &Provenance) -> Decision {
+fn decision(design: &DesignResult, origin: &Provenance) -> Decision {
     let cycle = design.cycle.as_ref();
     let run = cycle.and_then(|cycle| cycle.lost_motion_arcmin);
     let both = design.torsion.lost_motion_at_0_arcmin.zip(run);
@@ -138,8 +138,9 @@ fn decision(design: &DesignResult, made: &Provenance) -> Decision {
         }
         None => right("one way".to_owned(), "statics alone; no other program"),
     };
-    let sure = crate::pages::sure(headlines(design));
-    let next = crate::pages::next(made, "compare", "whether other engines confirm the forces");
+    let sure = sure(headlines(design));
+    let open = "whether other engines confirm the forces";
+    let next = next(origin, "compare", open);
     [Some(right), Some(bears(&design.limits)), sure, Some(next)]
 }
 

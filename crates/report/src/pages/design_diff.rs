@@ -28,7 +28,7 @@ const SERIES: [&str; 3] = [
 ];
 
 /// Returns the page.
-pub fn page(diff: &DesignDiff, made: &Provenance) -> String {
+pub fn page(diff: &DesignDiff, origin: &Provenance) -> String {
     let [a, b] = &diff.names;
     let mut sections = vec![scene(diff), figures(diff)];
     sections.extend(diff.stages.iter().map(|located| {
@@ -49,12 +49,12 @@ pub fn page(diff: &DesignDiff, made: &Provenance) -> String {
             diff.engine
         ),
         verdict: Some(verdict(diff)),
-        decision: decision(diff, made),
+        decision: decision(diff, origin),
         tiles: tiles(diff),
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns the text for a terminal.
@@ -210,7 +210,7 @@ fn tiles(diff: &DesignDiff) -> Vec<Tile> {
     wanted.map(tile).collect()
 }
 
-fn decision(diff: &DesignDiff, made: &Provenance) -> Decision {
+fn decision(diff: &DesignDiff, origin: &Provenance) -> Decision {
     let why = format!("both by {}; no other program", diff.engine);
     let right = Question::Right.answered(Mark::Warn, "not compared", why);
     let bears = design::both_bear(diff.designs.each_ref().map(|one| &one.limits));
@@ -221,7 +221,7 @@ fn decision(diff: &DesignDiff, made: &Provenance) -> Decision {
         "larger than the numerical uncertainty; contact law and fits act on both and are left out";
     let sure = Question::Sure.answered(Mark::None, format!("{shown} of {all} changes shown"), why);
     let why = format!("whether other engines confirm {}", diff.names[1]);
-    let next = crate::pages::next(made, "compare", &why);
+    let next = crate::pages::next(origin, "compare", &why);
     [Some(right), Some(bears), Some(sure), Some(next)]
 }
 

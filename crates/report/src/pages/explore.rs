@@ -107,7 +107,7 @@ pub fn sample(estimate: Option<[f64; 3]>) -> Value {
 ///
 /// # Errors
 /// No motion to draw, as text.
-pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result<String, String> {
+pub fn page(scene: &Scene, motion: Option<&Motion>, origin: &Provenance) -> Result<String, String> {
     let (view, rest) = moved(motion)?;
     let views = [view.clone().titled("A"), view.titled("B")];
     let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
@@ -139,5 +139,5 @@ pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result
         ],
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    Ok(crate::pages::render(study, origin))
 }

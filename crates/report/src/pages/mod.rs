@@ -43,20 +43,20 @@ use pinwheel_studies::Provenance;
 use pinwheel_timeseries::figure::Figure;
 
 /// Renders a page with its origin: the command, versions beside those of the study, the machine.
-fn render(mut study: Study, made: &Provenance) -> String {
-    study.command.clone_from(&made.command);
-    for own in std::mem::replace(&mut study.versions, made.versions()) {
+fn render(mut study: Study, origin: &Provenance) -> String {
+    study.command.clone_from(&origin.command);
+    for own in std::mem::replace(&mut study.versions, origin.versions()) {
         if !study.versions.contains(&own) {
             study.versions.push(own);
         }
     }
-    study.machine = made.machine.rows();
+    study.machine = origin.machine.rows();
     study::render(&study)
 }
 
 /// Tile of the next step: the command `verb` for the last scene of the command that made a page, with its overrides.
-fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
-    let words = words(made);
+fn next(origin: &Provenance, verb: &str, why: &str) -> Tile {
+    let words = words(origin);
     let scenes = words
         .iter()
         .skip(2)
@@ -67,9 +67,9 @@ fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
 }
 
 /// Splits the command that made a page into its words.
-fn words(made: &Provenance) -> Vec<&str> {
+fn words(origin: &Provenance) -> Vec<&str> {
     let mut is_quoted = false;
-    let words = made.command.split(|c| {
+    let words = origin.command.split(|c| {
         is_quoted ^= c == '\'';
         c == ' ' && !is_quoted
     });

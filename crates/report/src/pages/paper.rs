@@ -12,7 +12,7 @@ use crate::pages::animation;
 use crate::terminal::{self, titled};
 
 /// Returns the page.
-pub fn page(result: &PaperResult, made: &Provenance) -> String {
+pub fn page(result: &PaperResult, origin: &Provenance) -> String {
     // All rows of the two tables below.
     let figures = result.figures.iter().map(|figure| figure.verdict);
     let verdicts = figures.chain(result.claims.iter().map(|judged| judged.verdict));
@@ -65,7 +65,7 @@ pub fn page(result: &PaperResult, made: &Provenance) -> String {
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns the verdicts for a terminal, without the path of the page.

@@ -78,7 +78,7 @@ pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
 }
 
 /// The page: the answers, the gear in motion, and the time series.
-pub fn page(outcome: &Outcome, made: &Provenance) -> String {
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
     let results = outcome.results();
     let share = results.get(&SHARE_DELIVERED);
     let share = share.map(|share| share.scaled(100.0, "%"));
@@ -106,7 +106,7 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
             headline,
             detail: "Shown is what there is until then.".to_owned(),
         }),
-        decision: decision(outcome, heads.clone(), made),
+        decision: decision(outcome, heads.clone(), origin),
         tiles_title: format!("from {} on", format::seconds(results.from_s)),
         tiles: heads.map(figure::tile).collect(),
         below: vec![
@@ -117,13 +117,13 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
         sections: over_time.into_iter().chain([figures]).collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn decision<'a>(
     outcome: &Outcome,
     heads: impl Iterator<Item = &'a Figure>,
-    made: &Provenance,
+    origin: &Provenance,
 ) -> Decision {
     let (mark, why) = match &outcome.resolution {
         Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
@@ -131,7 +131,7 @@ fn decision<'a>(
     };
     let right = Question::Right.answered(mark, "not compared", why);
     let bears = outcome.limits.as_ref().map(bears);
-    let next = crate::pages::next(made, "compare", "whether other engines agree");
+    let next = crate::pages::next(origin, "compare", "whether other engines agree");
     [Some(right), bears, crate::pages::sure(heads), Some(next)]
 }
 

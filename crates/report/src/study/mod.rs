@@ -59,7 +59,7 @@ pub struct Study {
     /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
     /// Date for the foot of the page; `None` for pages equal byte for byte.
-    pub made: Option<String>,
+    pub date: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
     /// Description of the machine, e.g. (`processor`, ...), (`operating system`, ...).

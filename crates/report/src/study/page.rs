@@ -60,7 +60,7 @@ pub fn render(study: &Study) -> String {
         versions = pairs("Versions", &study.versions),
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
-        made = escape(study.made.as_deref().unwrap_or_default()),
+        date = escape(study.date.as_deref().unwrap_or_default()),
         connect = match drawn.asks {
             true => "; connect-src 'self'",
             false => "",

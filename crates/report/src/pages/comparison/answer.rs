@@ -166,8 +166,8 @@ impl<'a> Answer<'a> {
         format!("{label} {here} {unit} here, {there} by {by}")
     }
 
-    /// Tiles of the decision; `made`: the command that the next one follows.
-    pub(super) fn decision(&self, made: &Provenance) -> Decision {
+    /// Tiles of the decision; `origin`: the command that the next one follows.
+    pub(super) fn decision(&self, origin: &Provenance) -> Decision {
         let (tone, ..) = self.judged();
         let mark = match tone {
             Tone::Good => Mark::Good,
@@ -178,7 +178,7 @@ impl<'a> Answer<'a> {
         let (answer, why) = answer.split_once([';', ':']).unwrap_or((&answer, ""));
         let right = Question::Right.answered(mark, answer, why.trim_start());
         let next = match self.open().first() {
-            None => pages::next(made, "design", "stiffness, lost motion, pressure"),
+            None => pages::next(origin, "design", "stiffness, lost motion, pressure"),
             Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
         };
         let bears = self.outcome.limits.as_ref().map(pages::design::bears);

@@ -25,7 +25,7 @@ pub use text::{details, text, verdict};
 use crate::pages::{animation, band, time_series};
 
 /// Returns the page.
-pub fn page(outcome: &Outcome, made: &Provenance) -> String {
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
     let (comparison, participants) = (&outcome.comparison, &outcome.participants);
     let page = Page::new(comparison);
     let answer = Answer::new(outcome, format::relative);
@@ -57,7 +57,7 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
         },
         lead: comparison.context.description.clone(),
         verdict: Some(answer.verdict()),
-        decision: answer.decision(made),
+        decision: answer.decision(origin),
         top: vec![answer.shown().into()],
         tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", page.window(window), engine.name)
@@ -68,10 +68,10 @@ pub fn page(outcome: &Outcome, made: &Provenance) -> String {
         sections,
         appendix: vec![Block::folded("The scene, every key", scene)],
         versions: versions.collect(),
-        made: Some(made.date.clone()),
+        date: Some(origin.date.clone()),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns facts below the figures, and remarks.

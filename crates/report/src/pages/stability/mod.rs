@@ -11,7 +11,7 @@ use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 /// Returns the page.
-pub fn page(atlas: &Atlas, made: &Provenance) -> String {
+pub fn page(atlas: &Atlas, origin: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
     sections.insert(0, scenes(atlas));
     let study = Study {
@@ -26,7 +26,7 @@ pub fn page(atlas: &Atlas, made: &Provenance) -> String {
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn verdict(atlas: &Atlas) -> Verdict {

@@ -23,7 +23,7 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> String {
+pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, origin: &Provenance) -> String {
     let unfinished = sweep::broken(rows).count();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
@@ -106,7 +106,7 @@ pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> 
         versions: versions.collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Decision {
