@@ -102,7 +102,7 @@ impl Bar {
         bar.set_message(progress.sentence());
     }
 
-    /// Writes where the work is, also while nothing is reported.
+    /// Writes the last report with the elapsed time, even without a new report.
     fn tell(&self) {
         let text = self.sentence.lock().map(|text| text.clone());
         let command = screen::manner().command;

@@ -128,7 +128,7 @@ pub(crate) fn complain(message: &str) {
     annotate("error", &message);
 }
 
-/// Keeps the answer of a study in words, the first that is given.
+/// Stores the first answer of a study as text, and ignores later ones.
 pub(crate) fn answer(words: String) {
     let _ = ANSWER.set(words);
 }

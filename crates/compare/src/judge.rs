@@ -91,7 +91,7 @@ pub(crate) struct Case<'a> {
     pub(crate) quantity: &'a Quantity,
     pub(crate) window: &'a Window,
     pub(crate) metrics: &'a PairMetrics,
-    /// Uncertainties of both sides; `None` where no evidence was given.
+    /// Uncertainties of both sides; `None` without evidence.
     pub(crate) uncertainties: [Option<&'a QuantityUncertainty>; 2],
     /// True if runs may be compared sample by sample.
     pub(crate) pointwise: bool,
@@ -131,8 +131,8 @@ impl<'a> Case<'a> {
 }
 
 impl Judge<'_> {
-    /// Marks an inconclusive verdict as one without an action, if its participant gives a final reason or the scene itself
-    /// amplifies rounding.
+    /// Marks an inconclusive verdict as one without an action, if its participant has a final reason or the scene amplifies
+    /// rounding.
     fn settled(&self, result: Assessment, pointwise: bool) -> Assessment {
         let own = result.participant.as_ref();
         let own = own.and_then(|name| self.rules.evidence_of(name));

@@ -11,7 +11,7 @@ use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
 use pinwheel_timeseries::norms::{self, View};
 
-/// Everything there is to say of a metric.
+/// Definition of a metric: names, uncertainty and value.
 pub struct Row {
     /// Metric that the row describes.
     pub metric: Metric,
@@ -19,7 +19,7 @@ pub struct Row {
     pub key: &'static str,
     /// Name of the metric for readers.
     pub label: &'static str,
-    /// The uncertainty that carries over to it: the change of a run that bounds its change.
+    /// Norm of the run's uncertainty that bounds the change of the metric.
     pub norm: Norm,
     /// Largest change of the metric under that uncertainty, both relative.
     sensitivity: f64,
@@ -27,7 +27,7 @@ pub struct Row {
     pub of: fn(&PairMetrics) -> Option<f64>,
 }
 
-/// The one table of metrics: adding one is a row.
+/// Defines all metrics, a row each.
 macro_rules! metrics {
     ($($(#[$doc:meta])* $metric:ident $key:literal $label:literal $norm:ident $sensitivity:literal $of:expr;)*) => {
         /// Figure that is compared with a limit or an uncertainty. Metrics are relative, free of direction and never negative.
@@ -150,7 +150,7 @@ pub struct PairMetrics {
     pub sprague_geers_c: Option<f64>,
 }
 
-/// The sample where two time series are furthest apart.
+/// Sample with the largest difference of two time series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstSample {
     /// Channel number within the quantity.

@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Coverage factor k for about 95 %.
 pub const COVERAGE: f64 = 2.0;
 
-/// The three parts of the validation uncertainty, relative as the error is.
+/// Parts of the validation uncertainty, relative to the same figure as the error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Budget {
     /// u_num: standard uncertainty of the simulation's numerics.

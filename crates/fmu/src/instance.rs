@@ -399,7 +399,7 @@ impl Instance {
         self.gear.as_ref().map_or_else(String::new, words)
     }
 
-    /// Returns a note if a given tolerance has no effect.
+    /// Returns a note if the requested tolerance has no effect.
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
         self.gear.as_ref().filter(|gear| !gear.adaptive())?;

@@ -253,7 +253,7 @@ pub struct Package {
 }
 
 impl Package {
-    /// True for the bytes of a unit made by any version of this program.
+    /// True for the bytes of a unit of any version of this program.
     pub fn is_ours(bytes: &[u8]) -> bool {
         let head = || -> ZipResult<String> {
             let mut archive = ZipArchive::new(Cursor::new(bytes))?;
@@ -268,7 +268,7 @@ impl Package {
     /// Builds the unit and tries its first step.
     ///
     /// # Errors
-    /// The scene gives no unit, or the library cannot be read.
+    /// The scene cannot become a unit, or the library cannot be read.
     pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {

@@ -8,7 +8,7 @@
 //! - null addresses are refused;
 //! - no panic leaves the library.
 //!
-//! A failed call writes NaN to its outputs as far as their length is known, and gives the reason by `pinwheel_law_error`.
+//! A failed call writes NaN to its outputs as far as their length is known; `pinwheel_law_error` returns the reason.
 
 #![allow(unsafe_code)]
 

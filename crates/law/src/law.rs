@@ -31,7 +31,7 @@ pub enum LawError {
         what: &'static str,
         /// Required number of values.
         wanted: usize,
-        /// Given number of values.
+        /// Actual number of values.
         actual: usize,
     },
     /// State that is not finite.
@@ -148,7 +148,7 @@ impl Law {
         &self.start
     }
 
-    /// Evaluates the contact forces at the given states, [`LOAD`] numbers a body; a function of the states alone.
+    /// Evaluates the contact forces, [`LOAD`] numbers a body. Forces depend on `states` alone.
     ///
     /// # Errors
     /// Wrong lengths, or states that are not finite; the loads are then NaN.
@@ -199,7 +199,7 @@ impl Drop for Law {
     }
 }
 
-/// States of all bodies at the start, as a job's file has them.
+/// Returns the initial states of all bodies in the layout of a job's file.
 fn start_of_job(folder: &Path) -> Option<Vec<f64>> {
     let text = std::fs::read(folder.join(JOB_FILE)).ok()?;
     let job: Value = serde_json::from_slice(&text).ok()?;

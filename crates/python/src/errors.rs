@@ -77,7 +77,7 @@ impl From<SceneError> for Raised {
     }
 }
 
-/// Returns the exception for a fault of `key` with a given message.
+/// Returns the exception for a fault of `key` with a message.
 pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
     raise("SceneError", message, |raised| {
         raised.setattr("key", key)?;

@@ -61,7 +61,7 @@ impl Compared {
         self.messages.clone()
     }
 
-    /// The page that opens offline.
+    /// Returns the page, which needs no network.
     fn page(&self) -> String {
         pages::comparison::page(&self.outcome, &origin())
     }
@@ -77,8 +77,8 @@ impl Compared {
     }
 }
 
-/// Runs a scene on several engines and compares them; without names on all there are. `lanes`: engines at a time, and if runs
-/// that were kept do not count.
+/// Runs a scene on the named engines, or on all available ones, and compares the runs. `lanes`: number of engines at a
+/// time, and true to ignore stored runs.
 #[pyfunction]
 pub(crate) fn compare(
     py: Python<'_>,

@@ -32,7 +32,7 @@ pub(crate) struct Sweep {
     request: Request,
     /// `None` after the results are written.
     journal: Mutex<Option<Journal>>,
-    /// Index of the first run that no worker was given.
+    /// Index of the first run without a worker.
     next: AtomicUsize,
     rows: Mutex<Rows>,
     /// Complete rows, with their table.

@@ -82,7 +82,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     }
 }
 
-/// The failure of a comparison, and how it goes on if it was stopped.
+/// Returns the failure of a comparison; after a stop, the message names the command that continues it.
 fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
     let stored = store.map_or(0, Store::made);
     match error {

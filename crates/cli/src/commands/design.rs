@@ -45,7 +45,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     }
     files.push((&schema_file, &schema, is_schema));
     folder::check(&schema_file, &is_schema)?;
-    // The scene last: what refers to files has them.
+    // The scene comes last, because it refers to the other files.
     for (path, text, ours) in files.iter().rev() {
         folder::replace(path, text.as_bytes(), ours)?;
     }

@@ -1,10 +1,11 @@
 //! `pinwheel explore`: a live page for this machine only.
 //!
-//! Other pages in the browser must not drive it: the address holds a token, known to its user alone, that any browser exchanges for
-//! a cookie and a key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
-//! this machine, so whoever serves another one may have it: every POST brings the key in a header too, from the browser's store,
-//! which knows ports. The browser is started with a file that only its user may read, as arguments are there for all to read. A
-//! page in a frame of another site gets no cookie: there a secret begins every path, and whoever has it may show the page.
+//! Other pages in the browser must not control the program. The address contains a secret token, which a browser exchanges
+//! for a cookie and a key. Every request must name this host, and a request with an effect must come from this page.
+//! Browsers send a cookie to every port of the machine, so a server on another port may learn it. Every POST therefore has
+//! the key in a header too, from the browser's store, which separates ports. The browser is started with a file that only
+//! its user may read, because other users can read arguments. A page in a frame of another site gets no cookie: a secret
+//! begins each of its paths, and anyone with the secret may show the page.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -38,9 +39,9 @@ const TICK: Duration = Duration::from_millis(200);
 /// Longest wait of an answer for its balances, because a longer delay is noticeable at the sliders. After late balances some runs
 /// omit them.
 const PATIENCE: Duration = Duration::from_millis(36);
-/// Longest wait for its run, which is asked for again.
+/// Longest duration of a state's run; the page requests an unfinished run again.
 const RUN: Duration = Duration::from_millis(30);
-/// Runs without balances: number from now on, and number after the next late ones.
+/// Number of next runs that omit balances, and the number after the next late balances.
 #[derive(Clone, Copy)]
 struct Without {
     left: u32,
@@ -151,7 +152,7 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     asks
 }
 
-/// Figures of a state's balances, with their bands, or those of a sample, as the page reads them.
+/// Returns the figures of a state for the page: those of balances, with bands for `/bands`, or the yield for `/sample`.
 fn balances(gearbox: &Gearbox, path: &str, stop: &AtomicBool) -> Result<Value, StudyError> {
     if path == "/sample" {
         return Ok(live::sample(states::sample(gearbox, stop)?));
@@ -238,7 +239,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         std::thread::sleep(TICK);
     }
     drop(opened);
-    // It stops by itself and leaves no draft.
+    // A comparison stops at the interrupt and removes its draft.
     let work = locked(&explorer.compared).work.take();
     if let Some(work) = work {
         let _ = work.join();
@@ -246,7 +247,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Listens on the given port, or on the usual one, so that the browser's store persists, or on any.
+/// Listens on the requested port, else on the default one, which keeps the browser's store, else on any.
 fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     let listener = match port {
         Some(port) => loopback::bind(port),
@@ -409,7 +410,7 @@ impl Explorer {
         Ok(json_of(&run))
     }
 
-    /// Computes what the answer of the newest requested state lacks; `stop` ends it.
+    /// Answers a request for motion, balances, bands or a sample of the newest state; `stop` cancels the computation.
     fn balances(
         &self,
         tab: &str,
@@ -444,14 +445,14 @@ impl Explorer {
         }
     }
 
-    /// Returns the scene's file with what was moved, for the reader to keep.
+    /// Returns the scene's file with the changed values as a download.
     fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let name = format!("{}-explored.toml", file_name(&name));
         Ok(json_of(&json!({"name": name, "text": text})))
     }
 
-    /// Writes the scene's file, with what was moved, into the working folder; never over another one.
+    /// Writes the scene's file with the changed values into the working folder; never replaces a file.
     fn save(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let stem = file_name(&name);

@@ -42,7 +42,7 @@ pub(crate) fn about(bands: &Bands) -> String {
     )
 }
 
-/// Returns a sentence on the balances of the intervals by fit.
+/// Returns a sentence on the varied sizes and the number of gears behind the intervals by fit.
 fn tried(fits: &Fits) -> String {
     format!(
         "{} toleranced sizes (`[uncertain]`), each alone at both ends and all together where that moves lost motion, stiffness or a force most: \

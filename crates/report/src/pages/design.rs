@@ -176,7 +176,7 @@ fn notes(design: &DesignResult) -> Vec<(&'static str, String)> {
     notes
 }
 
-/// Rows on what is hard to believe, and on limits that were not judged.
+/// Returns rows on implausible values of the scene, and on limits that were not judged.
 fn unsure(design: &DesignResult) -> Vec<(&'static str, String)> {
     let mut rows = doubts(&design.scene);
     rows.extend(limits::unjudged(&design.limits).map(|open| ("not judged", open)));
@@ -217,8 +217,8 @@ pub fn text(design: &DesignResult, verbose: bool) -> String {
     titled(&design.scene.name, parts)
 }
 
-/// Returns the text for a terminal on a scene from catalogue data; `weak`: its limits where it does not bear its load, and how many times
-/// larger a pin circle does.
+/// Returns the text for a terminal on a scene from catalogue data. `weak`: limits of a gear that does not bear its load,
+/// and the factor on the pin circle with which it does.
 pub fn draft(draft: &Draft, weak: Option<(Limits, Option<f64>)>) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);

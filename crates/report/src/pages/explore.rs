@@ -92,7 +92,7 @@ pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> V
     json!({"figures": rows, "why": why})
 }
 
-/// The sample of a state's tolerances, as the page's script reads it: a share and its ends.
+/// Returns the yield of a sample within the tolerances for the page's script: share and confidence limits, %.
 #[must_use]
 pub fn sample(estimate: Option<[f64; 3]>) -> Value {
     let row = estimate.map(|estimate| {
@@ -103,7 +103,7 @@ pub fn sample(estimate: Option<[f64; 3]>) -> Value {
     json!({"figures": row.into_iter().collect::<Vec<_>>()})
 }
 
-/// The page of a scene, with its motion as both states.
+/// Returns the live page of a scene; both states begin with the motion of the scene.
 ///
 /// # Errors
 /// No motion to draw, as text.

@@ -1,12 +1,12 @@
-//! Results of studies for readers: `page` gives a self-contained HTML page, `text` the text for a terminal.
+//! Results of studies for readers: `page` returns a self-contained HTML page, `text` the text for a terminal.
 //!
 //! ```text
 //!  comparison::Outcome ─> comparison::page   a sweep's, a bench's, a baseline's, ... likewise
 //!                      └> comparison::text
 //! ```
 //!
-//! Pages and texts of each study, as functions of its result. They read, write and print nothing, and compute nothing
-//! except for the answers of [`explore`]. Text contains escape sequences for styles ([`crate::terminal`]).
+//! Pages and texts of each study are functions of its result, without input or output. Only the answers of [`explore`]
+//! compute anything. Text contains escape sequences for styles ([`crate::terminal`]).
 //!
 //! ```
 //! use pinwheel_report::terminal::plain;
@@ -54,7 +54,7 @@ fn render(mut study: Study, origin: &Provenance) -> String {
     study::render(&study)
 }
 
-/// Tile of the next step: the command `verb` for the last scene of the command that made a page, with its overrides.
+/// Returns the tile of the next step: the command `verb` for the last scene of the page's command, with its overrides.
 fn next(origin: &Provenance, verb: &str, why: &str) -> Tile {
     let words = words(origin);
     let scenes = words
@@ -66,7 +66,7 @@ fn next(origin: &Provenance, verb: &str, why: &str) -> Tile {
     Tile::next(&format!("pinwheel {verb} {scene}{sets}"), why)
 }
 
-/// Splits the command that made a page into its words.
+/// Splits the command of a page into words.
 fn words(origin: &Provenance) -> Vec<&str> {
     let mut is_quoted = false;
     let words = origin.command.split(|c| {
@@ -76,7 +76,7 @@ fn words(origin: &Provenance) -> Vec<&str> {
     words.collect()
 }
 
-/// Returns the options of a command that have these names, with their values. How it was computed is no part of a question.
+/// Returns the options of a command that have these names, with their values; solver settings are left out.
 fn options(words: &[&str], names: &[&str]) -> String {
     let asked = |pair: &&[&str]| names.contains(&pair[0]) && !pair[1].starts_with("solver.");
     let pairs = words.windows(2).filter(asked);

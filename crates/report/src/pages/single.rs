@@ -69,7 +69,7 @@ fn results(results: &Results, looked: bool) -> Vec<(&'static str, String)> {
 
 /// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
 pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
-    // What one runs it for comes first.
+    // Results come before settings.
     let mut rows = results(&outcome.results(), outcome.resolution.is_some());
     rows.extend(settings(outcome));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
@@ -77,7 +77,7 @@ pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
     titled(&outcome.scene.name, [pairs(rows)])
 }
 
-/// The page: the answers, the gear in motion, and the time series.
+/// Returns the page: answers, gear in motion, and time series.
 pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
     let results = outcome.results();
     let share = results.get(&SHARE_DELIVERED);
@@ -135,7 +135,7 @@ fn decision<'a>(
     [Some(right), bears, crate::pages::sure(heads), Some(next)]
 }
 
-/// The time series, as those of a comparison of one engine.
+/// Returns the time series in the layout of a comparison with one engine.
 fn time_series(outcome: &Outcome) -> Option<Block> {
     let participant = Participant {
         name: outcome.engine.clone(),

@@ -12,7 +12,7 @@ use crate::{script, table};
 #[derive(Default)]
 struct Drawn<'a> {
     charts: Vec<&'a Chart>,
-    /// Tables made when opened, as text.
+    /// Tables that the script builds when opened, as text.
     later: Vec<Value>,
     /// True if a block has selectable axes.
     grids: bool,

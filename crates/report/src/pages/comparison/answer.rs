@@ -166,7 +166,7 @@ impl<'a> Answer<'a> {
         format!("{label} {here} {unit} here, {there} by {by}")
     }
 
-    /// Tiles of the decision; `origin`: the command that the next one follows.
+    /// Returns the tiles of the decision; `origin`: command of this page, which the next command follows.
     pub(super) fn decision(&self, origin: &Provenance) -> Decision {
         let (tone, ..) = self.judged();
         let mark = match tone {
@@ -186,7 +186,8 @@ impl<'a> Answer<'a> {
         [Some(right), bears, sure, Some(next)]
     }
 
-    /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
+    /// Returns the facts on trust: equations, integration, contacts, law, fit, measurement and changes to the measured
+    /// data.
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
         let unbalanced = self.unbalanced();
@@ -557,7 +558,7 @@ pub(super) fn left_out_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
 /// Label of the fact on engines that solve the scene's own law.
 pub(super) const EQUATIONS: &str = "equations";
 const START_UP: &str = "not checked: the run is all start-up, in which engines with contacts of their own damp otherwise";
-/// Label of facts on changes that were made to measured data.
+/// Label of facts on changes to measured data.
 pub(super) const DATA: &str = "data";
 /// Selects pairs that solve the scene's law.
 const SHARES: fn(&Pair) -> bool =

@@ -14,8 +14,9 @@ pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
     windows.min_by_key(|kind| *kind == WindowKind::Transient)
 }
 
-/// Engine that speaks for all, with the window of its figures: of those that share the contact law, or of all if none does, one
-/// that is not recorded, and of those with a known uncertainty the resolved one, or else the one of the smallest.
+/// Returns the representative engine and the window of its figures. Candidates share the contact law, or are all engines if
+/// none does. Live runs precede recordings, known uncertainties precede unknown ones, and the resolved form precedes
+/// others; the smallest uncertainty decides among the rest.
 pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
     let window = window(comparison)?;
     let is_sharing =
@@ -104,7 +105,7 @@ const ROUNDING: f64 = 1e-12;
 /// Returns the efficiency, or the reason for a missing one.
 fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Figure> {
     let figures = best.figures_in(window)?;
-    // Its powers are those of the mean torques.
+    // Powers in the efficiency are those of the mean torques.
     let share = |name: &str| {
         let mean = figures.quantities.get(name)?.mean.abs();
         let share = best.u(name, window, Norm::Mean)? / mean;

@@ -20,7 +20,7 @@ pub(super) fn facts(outcome: &Outcome) -> impl Iterator<Item = Fact> {
     })
 }
 
-/// True if a stage of that engine is named.
+/// True if the first deviating stage of the engine was located.
 pub(super) fn names(outcome: &Outcome, engine: &str) -> bool {
     let mut stages = outcome.stages.iter();
     stages.any(|located| located.run == engine && located.first().is_some())
@@ -70,7 +70,7 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
 /// Residuals below are roundings.
 const ROUNDING: f64 = 1e-12;
 
-/// Residual of a stage over whatever it is drawn over, with the bound from which the stage is off.
+/// Returns the chart of a stage's residual over time, pins or lobe, with the bound above which the stage deviates.
 fn chart(located: &Located, picture: &Picture) -> Chart {
     let (stage, names) = (picture.stage, picture.names.iter().enumerate());
     let (x, over, style) = match picture.over {

@@ -30,7 +30,7 @@ pub fn text(scene: &Scene, outcome: &Outcome) -> String {
     let rooms = room.chain(fewer);
     let mut texts = rooms.map(|room| with_notes(scene, &answer, &trust, room));
     let shortest = texts.next_back().unwrap_or_default();
-    // One more line has the page's path.
+    // The path of the page takes one more line.
     texts
         .find(|text| text.lines().count() < SCREEN)
         .unwrap_or(shortest)

@@ -155,7 +155,8 @@ fn scenes(atlas: &Atlas) -> Section {
     Section::new("scenes", "Scenes").with(scenes).with(why)
 }
 
-/// Returns the text for a terminal: the number of scenes in which each method gives the right picture, its smallest step or largest error; without the place of the page.
+/// Returns the text for a terminal, without the path of the page: number of scenes that each method resolves, and its
+/// smallest step or largest error.
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
     let cells = |place: usize| {

@@ -131,7 +131,8 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
     [Some(right), bears, sampled.or(sure), Some(next)]
 }
 
-/// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
+/// Returns the range of the first figure over the runs with its uncertainty, or the statement that no trend exceeds the
+/// uncertainty.
 fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     let figure = grid.figures.first()?;
     let parts = |label: &str| -> (String, String) {

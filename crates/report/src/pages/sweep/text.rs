@@ -24,7 +24,7 @@ const SHOWN: [(&str, &str, &str); 3] = [
 /// Returns the list of planned runs.
 ///
 /// # Errors
-/// A run that cannot be made.
+/// Run with an invalid scene.
 pub fn list(plan: &Plan) -> Result<String, StudyError> {
     let engines = (0..plan.len()).map(|run| Ok(plan.run(run)?.engine.name().to_owned()));
     let engines = engines.collect::<Result<Vec<String>, StudyError>>()?;

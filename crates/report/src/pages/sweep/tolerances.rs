@@ -72,7 +72,8 @@ pub(super) fn decides(figure: &FigureOfSample) -> String {
 /// Least number of runs for tails beyond the outer quantiles.
 const TAILS: usize = 20;
 
-/// Returns `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`; for few runs their ends, without spread the value alone.
+/// Returns e.g. `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`. Few runs show their extremes in place of quantiles,
+/// equal runs the value alone.
 pub(super) fn in_words(figure: &FigureOfSample) -> String {
     let [low, middle, high] = between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
     let rounded = |value| significant(value, DIGITS);
@@ -152,7 +153,7 @@ pub(super) fn sure(plan: &Plan, samples: &[SampleResult]) -> Option<Tile> {
     Some(Question::Sure.answered(Mark::None, answer, why))
 }
 
-/// The section of a sample.
+/// Returns the section on samples within the tolerances.
 pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Section {
     let mut blocks = Vec::new();
     for sample in all {
