@@ -46,8 +46,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the status that a program ends with: 1 where something differs, 4 where something that the user brought was not
-    /// shown to agree or something is inconclusive that a setting would settle, else 0.
+    /// Returns the exit status of a program: 1 with a difference; 4 if an item of the user's lacks evidence, or if a
+    /// setting would settle an inconclusive verdict; else 0.
     pub fn exit_status(&self) -> u8 {
         let findings = self.findings.iter().map(|finding| finding.status);
         let all = || findings.clone().chain([self.counts.exit_status()]);

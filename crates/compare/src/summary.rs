@@ -48,7 +48,7 @@ pub(crate) fn uncertainty(
     };
     let new = |norms, share| QuantityUncertainty::new(&quantity.name, window.kind, norms, share);
     let everywhere = |what: Uncertainty| new([(); 5].map(|()| what.clone()), None);
-    // A quantity that is rounding alone gets no sharper by refinement, and its runs show no order.
+    // Refinement does not reduce the error of a quantity that is pure rounding, and its runs show no order.
     if let Source::Refinement(_) = evidence.source
         && let Some(below) = judge.negligible.below(quantity)
         && let Some(view) = own()

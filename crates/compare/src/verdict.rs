@@ -191,8 +191,8 @@ impl Assessment {
         Some([middle - half, middle + half])
     }
 
-    /// Returns difference over bound; for an inconclusive verdict the uncertainty is the difference, and an unknown one is
-    /// infinite.
+    /// Returns difference over bound. An inconclusive verdict counts its uncertainty as the difference; an unknown
+    /// uncertainty is infinite.
     pub fn share(&self) -> f64 {
         if self.verdict == Verdict::Inconclusive {
             return self.combined().unwrap_or(f64::INFINITY);
@@ -223,7 +223,8 @@ impl Assessment {
         by_rank.then(self.share().total_cmp(&other.share()))
     }
 
-    /// Returns the [gravest](Self::graver) of several, the first of equals; `of` gives the assessment of one.
+    /// Returns the item with the [gravest](Self::graver) assessment, the first of equals; `of` returns the assessment of an
+    /// item.
     pub fn gravest<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> &Self) -> Option<T> {
         all.into_iter()
             .reduce(|worst, other| match of(&other).graver(of(&worst)) {
@@ -418,7 +419,7 @@ pub fn model(
         Ok(sum) => sum,
         Err((who, missing)) => return result.inconclusive(who, missing.reason, missing.remedy),
     };
-    // The uncertainty must not exceed the resolution or the tolerance: otherwise a blunt result would pass.
+    // The uncertainty must not exceed the resolution or the tolerance: otherwise an uncertain result would pass.
     let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
         return too_blunt(result, sum, sides, resolution);

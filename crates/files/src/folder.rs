@@ -328,7 +328,7 @@ fn exchange(new: &Path, old: &Path) -> io::Result<()> {
     by_renames(new, old)
 }
 
-/// Exchanges two folders by three renames. A kill between them leaves the earlier output under a telling name.
+/// Exchanges two folders by three renames. A kill between the renames leaves the earlier output under a descriptive name.
 #[doc(hidden)]
 pub fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
     let aside = beside(old, &format!(".earlier-{}", std::process::id()));

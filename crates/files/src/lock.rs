@@ -23,7 +23,7 @@ impl Lock {
     /// Locks an existing folder: an empty one, or one that was locked before.
     ///
     /// # Errors
-    /// The folder has files but no lock; another process has it, which is named; it cannot be written.
+    /// The folder has files but no lock, is locked by another process, or cannot be written.
     pub fn take(folder: &Path, command: &str) -> Result<Self, OutputError> {
         let failed = |error: io::Error| OutputError::new(folder, &error);
         let refused = |reason: &str| Err(OutputError::new(folder, &reason));

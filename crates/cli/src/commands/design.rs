@@ -70,7 +70,7 @@ fn is_schema(content: &[u8]) -> bool {
     String::from_utf8_lossy(content).contains(schema::TITLE)
 }
 
-/// Returns true for the text of a study of tolerances, right or wrong.
+/// Returns true for the text of a study of tolerances, valid or not.
 fn is_study(content: &[u8]) -> bool {
     lines(content).any(|line| line == b"[sample]")
 }

@@ -41,7 +41,7 @@ fn is_note(fact: &Fact) -> bool {
     fact.label == answer::DATA
 }
 
-/// Returns the answer with the given numbers of notes on measured data and of reasons of excluded engines.
+/// Returns the answer, limited to these numbers of notes on measured data and of reasons of excluded engines.
 fn with_notes(
     scene: &Scene,
     answer: &Answer<'_>,
@@ -170,7 +170,7 @@ fn engines(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// Returns the verdict on a single engine, its balance with the load; without figures the reason in a word, given in full
+/// Returns the verdict on a single engine: its balance with the load, or without figures the reason in a word, explained
 /// below the table.
 fn own_verdict(engine: &EngineSummary) -> Said {
     if engine.status.reason().is_some() {
