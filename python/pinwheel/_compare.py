@@ -189,7 +189,7 @@ def compare(
     with telling(progress, "compare") as told:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
         core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), (number_of(jobs), fresh), told)
-    for line in core.said():
+    for line in core.messages():
         warnings.warn(line, stacklevel=2)
     comparison = Comparison(made, core)
     failure = core.failure()

@@ -21,7 +21,8 @@ use crate::{interrupt, screen, words};
 pub(crate) struct Folder(folder::Folder);
 
 impl Folder {
-    /// Prepares the requested folder, or `out/NAME`, for the results of `of`. The latter must not replace other results.
+    /// Prepares the requested folder, or `out/NAME`, for the results of `of`; `out/NAME` never replaces results of another
+    /// subject.
     pub(crate) fn of(out: &OutArgs, name: impl AsRef<Path>, of: &str) -> Result<Self, Failure> {
         let request = Request {
             of: of.to_owned(),
@@ -81,9 +82,9 @@ impl Folder {
         &self,
         write: impl FnOnce(&Path, &Provenance) -> Result<(), E>,
     ) -> Result<Provenance, Failure> {
-        let made = Provenance::here(args::typed());
-        write(self.path(), &made).map_err(E::into)?;
-        Ok(made)
+        let origin = Provenance::here(args::typed());
+        write(self.path(), &origin).map_err(E::into)?;
+        Ok(origin)
     }
 
     /// Writes the page.

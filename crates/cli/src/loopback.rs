@@ -41,7 +41,7 @@ impl Question {
         of_name.map(|(_, value)| value.as_slice())
     }
 
-    /// Returns the value of a header; `None` if it is absent, given twice or no text.
+    /// Returns the value of a header; `None` if it is absent, repeated or not text.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         let mut values = self.headers(name);
         let value = values.next()?;
@@ -51,8 +51,8 @@ impl Question {
         }
     }
 
-    /// Parses a request from all bytes so far; `None` if it is incomplete. `Content-Length` alone gives its length: a body
-    /// in chunks, and a head with two lengths, are refused.
+    /// Parses a request from all bytes so far; `None` if it is incomplete. Only `Content-Length` sets the length: chunked
+    /// bodies and heads with two lengths are refused.
     ///
     /// # Errors
     /// The status of a refusal.

@@ -28,11 +28,11 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
         visible: !screen::manner().quiet,
         terminal: std::io::stderr().is_terminal(),
         drawn_ms: AtomicU64::new(0),
-        said: Mutex::default(),
+        sentence: Mutex::default(),
         bar: OnceLock::new(),
     };
     let report = |progress: Progress<'_>| bar.show(progress);
-    let found = std::thread::scope(|scope| {
+    let result = std::thread::scope(|scope| {
         // Dropped when the work is done, also by a panic.
         let (_working, ended) = mpsc::channel::<()>();
         if bar.visible && !bar.terminal {
@@ -48,7 +48,7 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
     if let Some(bar) = bar.bar.get() {
         bar.finish_and_clear();
     }
-    found
+    result
 }
 
 /// Progress bar, inactive without a reader.
@@ -58,7 +58,7 @@ struct Bar {
     terminal: bool,
     drawn_ms: AtomicU64,
     /// Sentence of the last report, where there is no terminal.
-    said: Mutex<String>,
+    sentence: Mutex<String>,
     bar: OnceLock<ProgressBar>,
 }
 
@@ -76,8 +76,8 @@ impl Bar {
         }
         self.drawn_ms.store(now_ms, Ordering::Relaxed);
         if !self.terminal {
-            if let Ok(mut said) = self.said.lock() {
-                *said = progress.sentence();
+            if let Ok(mut text) = self.sentence.lock() {
+                *text = progress.sentence();
             }
             return;
         }
@@ -102,22 +102,22 @@ impl Bar {
         bar.set_message(progress.sentence());
     }
 
-    /// Writes where the work is, also while nothing is reported.
+    /// Writes the last report with the elapsed time, even without a new report.
     fn tell(&self) {
-        let said = self.said.lock().map(|said| said.clone());
+        let text = self.sentence.lock().map(|text| text.clone());
         let command = screen::manner().command;
         screen::show_on_stderr(&line(
             command,
-            &said.unwrap_or_default(),
+            &text.unwrap_or_default(),
             self.started.elapsed(),
         ));
     }
 }
 
 /// `compare, 2 min: 3 of 14, exudyn-explicit, 40 s left`.
-fn line(command: &str, said: &str, elapsed: Duration) -> String {
+fn line(command: &str, text: &str, elapsed: Duration) -> String {
     let minutes = elapsed.as_secs() / 60;
-    format!("{command}, {minutes} min: {said}")
+    format!("{command}, {minutes} min: {text}")
         .trim_end_matches([':', ' '])
         .to_owned()
 }
@@ -132,13 +132,13 @@ mod tests {
             left_s: Some(40.0),
             ..Progress::new(2, 14, "rapier-shared-law, exudyn-own-contact")
         };
-        let said = |at: Progress<'_>| line("compare", &at.sentence(), Duration::from_secs(130));
+        let text = |at: Progress<'_>| line("compare", &at.sentence(), Duration::from_secs(130));
         assert_eq!(
-            said(at),
+            text(at),
             "compare, 2 min: 3 of 14, rapier-shared-law, exudyn-own-contact, 40 s left"
         );
         let unknown = Progress { left_s: None, ..at };
-        assert!(!said(unknown).contains("left"));
+        assert!(!text(unknown).contains("left"));
         assert_eq!(line("run", "", Duration::from_secs(60)), "run, 1 min");
     }
 }

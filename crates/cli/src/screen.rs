@@ -128,7 +128,7 @@ pub(crate) fn complain(message: &str) {
     annotate("error", &message);
 }
 
-/// Keeps the answer of a study in words, the first that is given.
+/// Stores the first answer of a study as text, and ignores later ones.
 pub(crate) fn answer(words: String) {
     let _ = ANSWER.set(words);
 }
@@ -178,12 +178,12 @@ mod tests {
 
     #[test]
     fn annotations_stand_at_the_line_of_the_fault() {
-        let said = annotation(
+        let text = annotation(
             "error",
             "a,b.toml, line 7: `gear.wheels` is 0; at least 1, not 100 %",
         );
         let there = "::error file=a%2Cb.toml,line=7::a,b.toml, line 7: `gear.wheels` is 0; at least 1, not 100 %25";
-        assert_eq!(said, there);
+        assert_eq!(text, there);
         assert_eq!(
             annotation("warning", "nothing\nshown: 1"),
             "::warning::nothing%0Ashown: 1"

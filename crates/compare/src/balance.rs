@@ -4,7 +4,7 @@
 //! mean output torque + load = J (omega_end - omega_start) / T
 //! ```
 //! J is the moment of inertia of the shaft with its output pins. The second difference of an angle is the integral of its
-//! acceleration under a triangle, so the sum of these differences gives the right-hand side without a derivative. The integral
+//! acceleration under a triangle, so the sum of these differences equals the right-hand side without a derivative. The integral
 //! of the torque under such a triangle is (1, 10, 1)/12 of three samples (Numerov). Rounding and the error of this quadrature
 //! remain; the quadrature over every other sample estimates that error, whose order is unknown where contacts open and close. A
 //! kink that both sets of samples miss alike shows in its own triangle, whose remainder exceeds the mean remainder.

@@ -1,4 +1,4 @@
-//! The comparison: participants and rules in, verdicts out.
+//! Comparison of participants by rules, with verdicts as the result.
 
 use std::collections::BTreeSet;
 

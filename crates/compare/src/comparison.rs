@@ -1,4 +1,4 @@
-//! The result of a comparison. Serialised, this is `summary.json`.
+//! Result of a comparison, serialised as `summary.json`.
 //!
 //! No figure has a direction, because no engine is the truth. Quantities that need one (ratios, Sprague-Geers' M) are those of
 //! `a` over `b`.
@@ -37,7 +37,7 @@ pub struct Comparison {
     pub absent_windows: Vec<AbsentWindow>,
     /// Quantities of the time series.
     pub quantities: Vec<Quantity>,
-    /// Every engine, finished or not, in the order given.
+    /// Every engine, finished or not, in input order.
     pub engines: Vec<EngineSummary>,
     /// Every pair of finished engines that shares a track.
     pub pairs: Vec<Pair>,
@@ -46,8 +46,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Returns the status that a program ends with: 1 where something differs, 4 where something that the user brought was not
-    /// shown to agree or something is inconclusive that a setting would settle, else 0.
+    /// Returns the exit status of a program: 1 with a difference; 4 if an item of the user's lacks evidence, or if a
+    /// setting would settle an inconclusive verdict; else 0.
     pub fn exit_status(&self) -> u8 {
         let findings = self.findings.iter().map(|finding| finding.status);
         let all = || findings.clone().chain([self.counts.exit_status()]);
@@ -79,7 +79,7 @@ pub struct EngineSummary {
     pub figures: Vec<Figures>,
     /// Verdicts about this engine alone; empty unless finished.
     pub judged: Vec<EngineEntry>,
-    /// Numerical uncertainty per window and quantity; empty where no evidence was given.
+    /// Numerical uncertainty per window and quantity; empty without evidence.
     #[serde(
         rename = "numerical_uncertainty",
         skip_serializing_if = "Vec::is_empty"
@@ -91,7 +91,7 @@ pub struct EngineSummary {
 }
 
 impl EngineSummary {
-    /// Returns the engine's uncertainty of a quantity in a window, where evidence was given.
+    /// Returns the engine's uncertainty of a quantity in a window; `None` without evidence.
     pub(crate) fn uncertainty_of(
         &self,
         quantity: &str,
@@ -195,7 +195,7 @@ pub struct EngineEntry {
 /// Two engines side by side.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pair {
-    /// First engine, in the order given.
+    /// First engine, in input order.
     pub a: String,
     /// Second engine.
     pub b: String,

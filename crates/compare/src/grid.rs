@@ -30,9 +30,9 @@ pub(crate) fn common<'a>(
     let Err(error) = check(a, b) else {
         return Ok((Cow::Borrowed(of_a), Cow::Borrowed(of_b)));
     };
-    let at_samples_of = |part: &Participant, whole: &TimeSeries| {
+    let at_samples_of = |part: &Participant, all: &TimeSeries| {
         part.cost.recorded.as_ref()?;
-        Some(whole.select(&rows_of(&part.time_series, whole)?))
+        Some(all.select(&rows_of(&part.time_series, all)?))
     };
     if let Some(of_a) = at_samples_of(b, of_a) {
         return Ok((Cow::Owned(of_a), Cow::Borrowed(of_b)));
@@ -43,9 +43,9 @@ pub(crate) fn common<'a>(
     }
 }
 
-/// Returns the rows of `whole` at the times of `part`; `None` if a time is missing in `whole`.
-fn rows_of(part: &TimeSeries, whole: &TimeSeries) -> Option<Vec<usize>> {
-    rows_at(part.time_s(), whole.time_s()).collect()
+/// Returns the rows of `all` at the times of `part`; `None` if a time is missing in `all`.
+fn rows_of(part: &TimeSeries, all: &TimeSeries) -> Option<Vec<usize>> {
+    rows_at(part.time_s(), all.time_s()).collect()
 }
 
 /// Checks that two runs have the same sample times.

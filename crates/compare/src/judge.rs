@@ -91,7 +91,7 @@ pub(crate) struct Case<'a> {
     pub(crate) quantity: &'a Quantity,
     pub(crate) window: &'a Window,
     pub(crate) metrics: &'a PairMetrics,
-    /// Uncertainties of both sides; `None` where no evidence was given.
+    /// Uncertainties of both sides; `None` without evidence.
     pub(crate) uncertainties: [Option<&'a QuantityUncertainty>; 2],
     /// True if runs may be compared sample by sample.
     pub(crate) pointwise: bool,
@@ -121,25 +121,25 @@ impl<'a> Case<'a> {
             values.any(|v| !v.is_finite())
         };
         let who = &[a, b].into_iter().find(spoiled).unwrap_or(a).name;
-        let found = Assessment {
+        let result = Assessment {
             metric: Some(metric),
             ..Assessment::not_compared("")
         };
         let remedy = format!("look at the time series of {who}");
-        found.inconclusive(who, "a value is not finite".to_owned(), remedy)
+        result.inconclusive(who, "a value is not finite".to_owned(), remedy)
     }
 }
 
 impl Judge<'_> {
-    /// Marks an inconclusive verdict as one without an action, if its participant gives a final reason or the scene itself
-    /// amplifies rounding.
-    fn settled(&self, found: Assessment, pointwise: bool) -> Assessment {
-        let own = found.participant.as_ref();
+    /// Marks an inconclusive verdict as one without an action, if its participant has a final reason or the scene amplifies
+    /// rounding.
+    fn settled(&self, result: Assessment, pointwise: bool) -> Assessment {
+        let own = result.participant.as_ref();
         let own = own.and_then(|name| self.rules.evidence_of(name));
         match own.and_then(|evidence| evidence.is_final.as_ref()) {
-            Some(why) => found.beyond_settings(why.group, &why.reason),
-            None if pointwise => found,
-            None => found.beyond_settings(
+            Some(why) => result.beyond_settings(why.group, &why.reason),
+            None if pointwise => result,
+            None => result.beyond_settings(
                 "figures of windows in which a rounding parts two runs",
                 "a rounding parts two runs here, so figures are samples: only a longer run makes them sharper",
             ),
@@ -156,7 +156,7 @@ impl Judge<'_> {
                 case.quantity.unit
             ))];
         }
-        let (found, otherwise) = match case.sides.track {
+        let (assessments, otherwise) = match case.sides.track {
             SharedModel::Measured => (
                 [self.limits(case), self.measured(case)].concat(),
                 "measured data: its map states neither `[[limits]]` nor `uncertainty` for this quantity and window",
@@ -167,13 +167,13 @@ impl Judge<'_> {
             SharedModel::OwnContact => (self.models(case), ""),
             SharedModel::Native | SharedModel::SharedLaw => (self.one_law(case), ""),
         };
-        let settled = found.into_iter();
+        let settled = assessments.into_iter();
         let settled = settled.map(|one| self.settled(one, case.pointwise));
-        let mut found: Vec<Assessment> = settled.collect();
-        if !found.iter().any(|one| one.decides) {
-            found.push(Assessment::not_compared(otherwise));
+        let mut assessments: Vec<Assessment> = settled.collect();
+        if !assessments.iter().any(|one| one.decides) {
+            assessments.push(Assessment::not_compared(otherwise));
         }
-        found
+        assessments
     }
 
     /// Compares a pair with the limits stated for measured data.
@@ -199,12 +199,12 @@ impl Judge<'_> {
                 false => matches!(metric, Metric::Mean | Metric::Rms),
             };
             let sides = case.sides(metric);
-            let found = match metric.of(case.metrics) {
+            let result = match metric.of(case.metrics) {
                 Some(d) => verdict::pair(metric, d, sides.each_ref(), self.rules.resolution),
                 None if decides => case.not_finite(metric),
                 None => return None,
             };
-            Some(Assessment { decides, ..found })
+            Some(Assessment { decides, ..result })
         };
         case.metrics().filter_map(assess).collect()
     }
@@ -229,7 +229,7 @@ impl Judge<'_> {
                 None => case.not_finite(metric),
             }
         };
-        let mut found = Vec::new();
+        let mut assessments = Vec::new();
         for metric in case.metrics() {
             let own = [a, b]
                 .into_iter()
@@ -253,18 +253,18 @@ impl Judge<'_> {
                     reason: tolerances.first().map_or("", |t| t.reason),
                 })
             };
-            found.push(assess(metric, distance, allowed));
+            assessments.push(assess(metric, distance, allowed));
         }
-        if found.is_empty() {
+        if assessments.is_empty() {
             let metric = match case.pointwise {
                 true => Metric::RelativeL2,
                 false => Metric::Mean,
             };
             let nothing =
                 "models that differ on purpose state no tolerance for this quantity and window";
-            found.push(assess(metric, metric.of(case.metrics), Err(nothing)));
+            assessments.push(assess(metric, metric.of(case.metrics), Err(nothing)));
         }
-        found
+        assessments
     }
 
     /// Compares a simulation with measured data of stated uncertainty.
@@ -291,7 +291,7 @@ impl Judge<'_> {
                 Metric::Mean => signed.map(|d| sign * d).or(plain),
                 _ => plain,
             };
-            let found = match (distance, sides[simulation].u()) {
+            let result = match (distance, sides[simulation].u()) {
                 (None, _) => case.not_finite(metric),
                 (Some(error), Some(numerical)) => {
                     let budget = Budget::new(numerical, stated.input, stated.data);
@@ -303,7 +303,7 @@ impl Judge<'_> {
             };
             Assessment {
                 decides: metric == Metric::RelativeL2,
-                ..found
+                ..result
             }
         };
         let metrics = [Metric::RelativeL2, Metric::Mean, Metric::Peak, Metric::Rms];
@@ -323,8 +323,8 @@ impl Judge<'_> {
             return Assessment::not_compared("the scene has no load to compare with");
         }
         let steps = engine.cost.steps as f64 / engine.time_series.len() as f64;
-        let found = balance::of(&engine.time_series, samples, load_n_m, inertia, steps);
-        let Some(balance) = found else {
+        let result = balance::of(&engine.time_series, samples, load_n_m, inertia, steps);
+        let Some(balance) = result else {
             return Assessment::not_compared("too few samples for the balance of the output shaft");
         };
         let share = |torque: f64| torque / load_n_m.abs();
@@ -337,7 +337,7 @@ impl Judge<'_> {
             ));
         }
         let left_over = share(balance.left_over.abs());
-        let found = Assessment {
+        let result = Assessment {
             u_a: Some(own),
             ..Assessment::limit(
                 Metric::MeanAgainstLoad,
@@ -346,21 +346,21 @@ impl Judge<'_> {
                 "On average, contact forces and load give the output shaft its acceleration, for any law and engine.",
             )
         };
-        let found = if !(own <= self.rules.resolution) {
+        let result = if !(own <= self.rules.resolution) {
             let reason = format!(
                 "the mean is uncertain by {own:.1e} of the load, above the resolution of {:.0e}",
                 self.rules.resolution
             );
-            found.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
-        } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, found.verdict)
+            result.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
+        } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, result.verdict)
             && left_over.is_finite()
         {
             let (reason, remedy) = (missing.reason.clone(), missing.remedy.clone());
-            found.inconclusive(&engine.name, reason, remedy)
+            result.inconclusive(&engine.name, reason, remedy)
         } else {
-            found
+            result
         };
-        self.settled(found, self.context.is_pointwise(f64::INFINITY))
+        self.settled(result, self.context.is_pointwise(f64::INFINITY))
     }
 }
 

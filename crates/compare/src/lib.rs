@@ -66,13 +66,13 @@
 //! let context = Context { duration_s: 1.0, ..Context::default() };
 //! let evidence = [of_second, of_fourth];
 //! let rules = Rules { evidence: &evidence, ..Rules::default() };
-//! let found = compare(&context, &[second, fourth], &rules)?;
+//! let comparison = compare(&context, &[second, fourth], &rules)?;
 //!
-//! let result = &found.pairs[0].entries[0].result;
+//! let result = &comparison.pairs[0].entries[0].result;
 //! assert_eq!(result.verdict, Verdict::Agree);
 //! assert!(result.bound.is_some_and(|bound| (1e-4..2e-4).contains(&bound)), "{result:?}");
-//! assert_eq!(found.exit_status(), 0);
-//! assert_eq!(found.findings[0].line, "engines: agrees to 1.2e-4 (second-order and fourth-order)");
+//! assert_eq!(comparison.exit_status(), 0);
+//! assert_eq!(comparison.findings[0].line, "engines: agrees to 1.2e-4 (second-order and fourth-order)");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -11,7 +11,7 @@ use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
 use pinwheel_timeseries::norms::{self, View};
 
-/// Everything there is to say of a metric.
+/// Definition of a metric: names, uncertainty and value.
 pub struct Row {
     /// Metric that the row describes.
     pub metric: Metric,
@@ -19,7 +19,7 @@ pub struct Row {
     pub key: &'static str,
     /// Name of the metric for readers.
     pub label: &'static str,
-    /// The uncertainty that carries over to it: the change of a run that bounds its change.
+    /// Norm of the run's uncertainty that bounds the change of the metric.
     pub norm: Norm,
     /// Largest change of the metric under that uncertainty, both relative.
     sensitivity: f64,
@@ -27,7 +27,7 @@ pub struct Row {
     pub of: fn(&PairMetrics) -> Option<f64>,
 }
 
-/// The one table of metrics: adding one is a row.
+/// Defines all metrics, a row each.
 macro_rules! metrics {
     ($($(#[$doc:meta])* $metric:ident $key:literal $label:literal $norm:ident $sensitivity:literal $of:expr;)*) => {
         /// Figure that is compared with a limit or an uncertainty. Metrics are relative, free of direction and never negative.
@@ -150,7 +150,7 @@ pub struct PairMetrics {
     pub sprague_geers_c: Option<f64>,
 }
 
-/// The sample where two time series are furthest apart.
+/// Sample with the largest difference of two time series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorstSample {
     /// Channel number within the quantity.
@@ -168,8 +168,8 @@ impl PairMetrics {
     ///
     /// let (a, b) = ([1.0, 2.0, 3.0], [1.0, 2.0, 3.03]);
     /// let (a, b) = (View::new(vec![&a[..]]), View::new(vec![&b[..]]));
-    /// let found = PairMetrics::of(&a, &b, &[0.0, 0.1, 0.2]).ok_or("shapes differ")?;
-    /// assert!(found.peak_difference.is_some_and(|d| (d - 0.03 / 3.03).abs() < 1e-12));
+    /// let metrics = PairMetrics::of(&a, &b, &[0.0, 0.1, 0.2]).ok_or("shapes differ")?;
+    /// assert!(metrics.peak_difference.is_some_and(|d| (d - 0.03 / 3.03).abs() < 1e-12));
     /// # Ok::<(), &str>(())
     /// ```
     ///
@@ -260,20 +260,20 @@ fn end_value(a: &View<'_>, b: &View<'_>) -> Option<f64> {
 }
 
 fn worst(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<WorstSample> {
-    let mut found: Option<(f64, WorstSample)> = None;
+    let mut worst: Option<(f64, WorstSample)> = None;
     for (channel, (a, b)) in a.channels().iter().zip(b.channels()).enumerate() {
         for ((a, b), &time_s) in a.iter().zip(*b).zip(time_s) {
             let difference = (a - b).abs();
             if !difference.is_finite() {
                 return None;
             }
-            if found
+            if worst
                 .as_ref()
                 .is_none_or(|(largest, _)| difference > *largest)
             {
-                found = Some((difference, WorstSample { channel, time_s }));
+                worst = Some((difference, WorstSample { channel, time_s }));
             }
         }
     }
-    found.map(|(_, sample)| sample)
+    worst.map(|(_, sample)| sample)
 }

@@ -65,7 +65,7 @@ fn pair_entry(
     }
     let samples = of_a.window(window.from_s, window.to_s);
     let samples = covered(&[(a, of_a.as_ref()), (b, of_b.as_ref())], samples);
-    let whole = quantity;
+    let all = quantity;
     let quantity = &shared(quantity, &[a, b]);
     if samples.len() < FEWEST_SAMPLES {
         return unjudged(format!(
@@ -84,7 +84,7 @@ fn pair_entry(
         ));
     };
     let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {
-        if *quantity != *whole {
+        if *quantity != *all {
             // A test rig measures only some of the pins: their uncertainty counts.
             let samples = p.time_series.window(window.from_s, window.to_s);
             return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);

@@ -80,15 +80,15 @@ pub fn label_and_unit(name: &str) -> (String, String) {
 /// quantity, ordered by number.
 pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<Quantity> {
     type Members = Vec<(Option<usize>, String)>;
-    let mut found: Vec<(Quantity, Members)> = Vec::new();
+    let mut quantities: Vec<(Quantity, Members)> = Vec::new();
     for channel in time_series.into_iter().flat_map(TimeSeries::channels) {
         let (name, number) = group_of(&channel.name);
-        let known = found.iter().position(|(q, _)| q.name == name);
+        let known = quantities.iter().position(|(q, _)| q.name == name);
         let place = known.unwrap_or_else(|| {
-            found.push((Quantity::new(name), Vec::new()));
-            found.len() - 1
+            quantities.push((Quantity::new(name), Vec::new()));
+            quantities.len() - 1
         });
-        let members = &mut found[place].1;
+        let members = &mut quantities[place].1;
         if !members.iter().any(|(_, known)| *known == channel.name) {
             members.push((number, channel.name.clone()));
         }
@@ -98,5 +98,5 @@ pub fn derive<'a>(time_series: impl IntoIterator<Item = &'a TimeSeries>) -> Vec<
         quantity.channels = members.into_iter().map(|(_, name)| name).collect();
         quantity
     };
-    found.into_iter().map(with_channels).collect()
+    quantities.into_iter().map(with_channels).collect()
 }

@@ -20,7 +20,7 @@ pub struct Rules<'a> {
     pub tolerances: &'a [(&'a str, ModelTolerance)],
     /// Uncertainty of measured data and of the inputs.
     pub data: &'a [DataUncertainty],
-    /// The largest U that still proves agreement, relative.
+    /// Largest relative U with which agreement is conclusive.
     pub resolution: f64,
 }
 

@@ -48,7 +48,7 @@ pub(crate) fn uncertainty(
     };
     let new = |norms, share| QuantityUncertainty::new(&quantity.name, window.kind, norms, share);
     let everywhere = |what: Uncertainty| new([(); 5].map(|()| what.clone()), None);
-    // A quantity that is rounding alone gets no sharper by refinement, and its runs show no order.
+    // Refinement does not reduce the error of a quantity that is pure rounding, and its runs show no order.
     if let Source::Refinement(_) = evidence.source
         && let Some(below) = judge.negligible.below(quantity)
         && let Some(view) = own()
@@ -66,7 +66,7 @@ pub(crate) fn uncertainty(
             let pointwise = judge.context.is_pointwise(window.to_s);
             let (finest, channels) = (&participant.time_series, &quantity.channels);
             match ladder.estimate(finest, channels, &samples, floor, pointwise) {
-                Ok(found) => new(found.norms.map(Uncertainty::from), found.relative_l2),
+                Ok(estimate) => new(estimate.norms.map(Uncertainty::from), estimate.relative_l2),
                 Err(unresolved) => missing(&unresolved),
             }
         }
@@ -123,8 +123,8 @@ pub fn uncertainties(
         quantities.iter().filter_map(move |quantity| {
             let view = View::of(time_series, &quantity.channels, samples.clone())?;
             Statistics::of(&view)?;
-            let found = uncertainty(participant, quantity, window, samples.clone(), judge)?;
-            Some((*window, found))
+            let uncertainty = uncertainty(participant, quantity, window, samples.clone(), judge)?;
+            Some((*window, uncertainty))
         })
     });
     each.collect()
@@ -138,14 +138,14 @@ pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> Eng
         let samples = participant.time_series.window(window.from_s, window.to_s);
         let there = judge.quantities.iter();
         let there = there.filter(|q| figures.quantities.contains_key(&q.name));
-        let found: Vec<QuantityUncertainty> = there
+        let known: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         if let Some(of_output) = judge.context.output(window)
             && participant.track != SharedModel::Measured
             && judge.quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
         {
-            let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
+            let u = known.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
                 quantity: OUTPUT_TORQUE.to_owned(),
                 window: window.kind,
@@ -153,7 +153,7 @@ pub(crate) fn engine_summary(participant: &Participant, judge: Judge<'_>) -> Eng
             });
         }
         all_figures.push(figures);
-        uncertainties.extend(found);
+        uncertainties.extend(known);
     }
     EngineSummary {
         name: participant.name.clone(),
@@ -177,14 +177,14 @@ fn figures(participant: &Participant, window: &Window, judge: Judge<'_>) -> Figu
     let time_series = &participant.time_series;
     let samples = time_series.window(window.from_s, window.to_s);
     let samples = covered(&[(participant, time_series)], samples);
-    let found = judge.quantities.iter().filter_map(|quantity| {
+    let figures = judge.quantities.iter().filter_map(|quantity| {
         let quantity = &shared(quantity, &[participant]);
         let (name, samples) = (&quantity.name, samples.clone());
-        let found = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
+        let figures = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
         let named = |of: Statistics| (name.clone(), of);
-        Some((named(found.statistics), named(found.sampling)))
+        Some((named(figures.statistics), named(figures.sampling)))
     });
-    let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = found.unzip();
+    let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = figures.unzip();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let works = efficiency(participant, window, samples, judge);
     let accounted = works.ok().zip(created);

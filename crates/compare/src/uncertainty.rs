@@ -42,8 +42,8 @@ impl Uncertainty {
 }
 
 impl From<Result<Estimate, Unresolved>> for Uncertainty {
-    fn from(found: Result<Estimate, Unresolved>) -> Self {
-        found.map_or_else(Self::Unknown, Self::Known)
+    fn from(estimate: Result<Estimate, Unresolved>) -> Self {
+        estimate.map_or_else(Self::Unknown, Self::Known)
     }
 }
 
@@ -138,12 +138,12 @@ pub struct Evidence {
     pub engine: String,
     /// Evidence of the uncertainty.
     pub source: Source,
-    /// Reason why no setting gives a sharper result: e.g. a time limit is spent. An inconclusive verdict then requires no
-    /// action. `None` where a setting would help.
+    /// Reason why no setting reduces the uncertainty, e.g. an exhausted time limit. An inconclusive verdict then requires
+    /// no action. `None` where a setting would help.
     pub is_final: Option<Final>,
 }
 
-/// Reason why no setting of the user's makes a participant's results sharper.
+/// Reason why no setting of the user's reduces a participant's uncertainty.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Final {
     /// Plural name of participants of this kind, e.g. `recordings`.

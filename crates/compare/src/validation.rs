@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Coverage factor k for about 95 %.
 pub const COVERAGE: f64 = 2.0;
 
-/// The three parts of the validation uncertainty, relative as the error is.
+/// Parts of the validation uncertainty, relative to the same figure as the error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Budget {
     /// u_num: standard uncertainty of the simulation's numerics.
@@ -51,9 +51,9 @@ impl Budget {
 
     /// Returns the shares of numerical, input and data uncertainty in u_val^2; `None` where all are 0.
     pub fn shares(&self) -> Option<[f64; 3]> {
-        let whole = self.validation();
-        let share = |part: f64| (part / whole).powi(2);
-        (whole > 0.0).then(|| [self.numerical, self.input, self.data].map(share))
+        let total = self.validation();
+        let share = |part: f64| (part / total).powi(2);
+        (total > 0.0).then(|| [self.numerical, self.input, self.data].map(share))
     }
 
     /// Returns the bound below which an error cannot be distinguished from zero: k u_val.

@@ -191,8 +191,8 @@ impl Assessment {
         Some([middle - half, middle + half])
     }
 
-    /// Returns difference over bound; for an inconclusive verdict the uncertainty is the difference, and an unknown one is
-    /// infinite.
+    /// Returns difference over bound. An inconclusive verdict counts its uncertainty as the difference; an unknown
+    /// uncertainty is infinite.
     pub fn share(&self) -> f64 {
         if self.verdict == Verdict::Inconclusive {
             return self.combined().unwrap_or(f64::INFINITY);
@@ -223,7 +223,8 @@ impl Assessment {
         by_rank.then(self.share().total_cmp(&other.share()))
     }
 
-    /// Returns the [gravest](Self::graver) of several, the first of equals; `of` gives the assessment of one.
+    /// Returns the item with the [gravest](Self::graver) assessment, the first of equals; `of` returns the assessment of an
+    /// item.
     pub fn gravest<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> &Self) -> Option<T> {
         all.into_iter()
             .reduce(|worst, other| match of(&other).graver(of(&worst)) {
@@ -346,10 +347,10 @@ pub const UNCONFIRMED: f64 = 2.0;
 /// Where U exceeds `resolution`, agreement proves nothing, and a difference needs confirmed orders of both uncertainties:
 /// otherwise the verdict is inconclusive.
 pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
-    let found = between(metric, distance, Against::NumericalError, sides);
+    let result = between(metric, distance, Against::NumericalError, sides);
     let sum = match combined(sides) {
         Ok(sum) => sum,
-        Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
+        Err((who, missing)) => return result.inconclusive(who, missing.reason, missing.remedy),
     };
     let is_confirmed = |of: &Estimate| of.basis.is_confirmed();
     let mut known = sides.iter().map(|side| side.uncertainty.as_ref());
@@ -357,7 +358,7 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     // A sum that is NaN does not count as sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
-        return too_blunt(found, sum, sides, resolution);
+        return too_blunt(result, sum, sides, resolution);
     }
     // Without an observed order an uncertainty must be doubled to be a bound: such estimates are too small by as much in one
     // case of a hundred, and a comparison makes hundreds of estimates.
@@ -368,13 +369,13 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     };
     Assessment {
         bound: Some(bound),
-        ..found
+        ..result
     }
     .decided(distance <= bound)
 }
 
 /// Returns an inconclusive assessment because U exceeds the resolution.
-fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f64) -> Assessment {
+fn too_blunt(result: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let (blunt, other) = if a.u() >= b.u() { (a, b) } else { (b, a) };
     let target = (resolution - other.u().unwrap_or(0.0)).max(resolution / 2.0);
     let estimate = blunt.uncertainty.as_ref().ok();
@@ -382,7 +383,7 @@ fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f6
     let times = factor.map(|factor| format!(" {} times", (factor * 10.0).ceil() / 10.0));
     let remedy = format!("refine {}{}", blunt.name, times.unwrap_or_default());
     let reason = format!("U = {sum:.1e} is above the resolution of {resolution:.0e}");
-    found.inconclusive(blunt.name, reason, remedy)
+    result.inconclusive(blunt.name, reason, remedy)
 }
 
 /// Permitted difference of two models.
@@ -406,22 +407,22 @@ pub fn model(
     resolution: f64,
     allowed: Result<Allowed, &str>,
 ) -> Assessment {
-    let found = between(metric, distance, Against::ModelTolerance, sides);
+    let result = between(metric, distance, Against::ModelTolerance, sides);
     let allowed = match allowed {
         Ok(allowed) => allowed,
         Err(reason) => {
             let reason = reason.to_owned();
-            return Assessment { reason, ..found };
+            return Assessment { reason, ..result };
         }
     };
     let sum = match combined(sides) {
         Ok(sum) => sum,
-        Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
+        Err((who, missing)) => return result.inconclusive(who, missing.reason, missing.remedy),
     };
-    // The uncertainty must not exceed the resolution or the tolerance: otherwise a blunt result would pass.
+    // The uncertainty must not exceed the resolution or the tolerance: otherwise an uncertain result would pass.
     let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
-        return too_blunt(found, sum, sides, resolution);
+        return too_blunt(result, sum, sides, resolution);
     }
     let bound = sum + allowed.tolerance;
     Assessment {
@@ -429,7 +430,7 @@ pub fn model(
         bound: Some(bound),
         tolerance: Some(allowed.tolerance),
         reason: allowed.reason.to_owned(),
-        ..found
+        ..result
     }
     .decided((distance - allowed.predicted).abs() <= bound)
 }
@@ -437,13 +438,13 @@ pub fn model(
 /// Compares a simulation with measured data at the error E = S - D. A model error is a result that requires no action.
 pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
     let bound = budget.bound();
-    let found = Assessment {
+    let result = Assessment {
         bound: Some(bound),
         budget: Some(budget),
         ..between(metric, error, Against::Measurement, sides)
     };
     Assessment {
         actionable: false,
-        ..found.decided(error.abs() <= bound)
+        ..result.decided(error.abs() <= bound)
     }
 }

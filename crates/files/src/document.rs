@@ -151,8 +151,8 @@ impl<'t> Document<'t> {
 
     /// Returns the item at a top-level key.
     pub fn get(&self, key: &str) -> Option<&Item<'t>> {
-        let found = self.root.iter().find(|(name, _)| name == key);
-        found.map(|(_, item)| item)
+        let entry = self.root.iter().find(|(name, _)| name == key);
+        entry.map(|(_, item)| item)
     }
 
     /// Returns a fault in a line.

@@ -5,7 +5,7 @@ use std::fmt;
 /// Fault of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileError {
-    /// Name of the file as the user gave it.
+    /// Name of the file as the user wrote it.
     pub file: String,
     /// Line, from 1; `None` if the fault has no line.
     pub line: Option<usize>,

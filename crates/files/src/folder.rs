@@ -248,8 +248,8 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
     let mut inputs = request.inputs.iter().filter(|_| target.is_dir());
     if let Some(input) = inputs.find(|path| within(path)) {
         let input = input.display();
-        let whole = "which is read, and an output folder is replaced as a whole";
-        return Err(refused(shown, format!("holds {input}, {whole}")));
+        let suffix = "which is read, and an output folder is replaced as a whole";
+        return Err(refused(shown, format!("holds {input}, {suffix}")));
     }
     #[cfg(unix)]
     {
@@ -328,7 +328,7 @@ fn exchange(new: &Path, old: &Path) -> io::Result<()> {
     by_renames(new, old)
 }
 
-/// Exchanges two folders by three renames. A kill between them leaves the earlier output under a telling name.
+/// Exchanges two folders by three renames. A kill between the renames leaves the earlier output under a descriptive name.
 #[doc(hidden)]
 pub fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
     let aside = beside(old, &format!(".earlier-{}", std::process::id()));

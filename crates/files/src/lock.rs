@@ -23,7 +23,7 @@ impl Lock {
     /// Locks an existing folder: an empty one, or one that was locked before.
     ///
     /// # Errors
-    /// The folder has files but no lock; another process has it, which is named; it cannot be written.
+    /// The folder has files but no lock, is locked by another process, or cannot be written.
     pub fn take(folder: &Path, command: &str) -> Result<Self, OutputError> {
         let failed = |error: io::Error| OutputError::new(folder, &error);
         let refused = |reason: &str| Err(OutputError::new(folder, &reason));
@@ -42,8 +42,8 @@ impl Lock {
                         "it holds `{name}` and no `{LOCK}` by which pinwheel knows its own"
                     ));
                 }
-                let made = options.create(true).truncate(false).open(&path);
-                (made.map_err(failed)?, true)
+                let created = options.create(true).truncate(false).open(&path);
+                (created.map_err(failed)?, true)
             }
             Err(error) => return Err(failed(error)),
         };

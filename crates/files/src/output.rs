@@ -111,7 +111,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
 /// Creates the folder `name` in `dir`, and missing parent folders.
 ///
 /// # Errors
-/// The folder cannot be made.
+/// The folder cannot be created.
 pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
     let place = dir.join(name);
     fs::create_dir_all(&place).map_err(|error| OutputError::new(&place, &error))?;

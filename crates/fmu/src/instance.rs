@@ -199,8 +199,8 @@ impl Instance {
     fn variable(&self, call: &str, reference: u32) -> Result<(usize, &Variable), Refusal> {
         let place = usize::try_from(reference).unwrap_or(usize::MAX);
         let none = || format!("{call}: there is no variable of value reference {reference}");
-        let found = self.model.variables().get(place).ok_or_else(none)?;
-        Ok((place, found))
+        let variable = self.model.variables().get(place).ok_or_else(none)?;
+        Ok((place, variable))
     }
 
     /// Returns the index of a variable; `boolean`: the required type.
@@ -399,7 +399,7 @@ impl Instance {
         self.gear.as_ref().map_or_else(String::new, words)
     }
 
-    /// Returns a note if a given tolerance has no effect.
+    /// Returns a note if the requested tolerance has no effect.
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
         self.gear.as_ref().filter(|gear| !gear.adaptive())?;

@@ -7,7 +7,7 @@
 //!                              └─ resources/scene.toml    the scene, every key resolved
 //!  importer ──border──> Instance ──> CoSimulation, the native solver
 //! ```
-//! The library reads the scene when it is instantiated, so that no compiler is needed where a unit is made or used.
+//! The library reads the scene when it is instantiated, so that neither building nor using a unit needs a compiler.
 
 pub mod ffi;
 mod instance;

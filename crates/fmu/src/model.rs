@@ -294,8 +294,8 @@ impl Model {
 
     /// Returns the index of the variable `what`; all flags and inputs have one.
     fn place(&self, what: What) -> usize {
-        let found = self.variables.iter().position(|v| v.what == what);
-        found.unwrap_or(0)
+        let place = self.variables.iter().position(|v| v.what == what);
+        place.unwrap_or(0)
     }
 
     fn flag(&self, values: &[f64], flag: Flag) -> bool {

@@ -44,7 +44,7 @@ pub struct Imprint {
     /// Author of the model.
     pub author: String,
     /// Date of the unit.
-    pub made: SystemTime,
+    pub date: SystemTime,
 }
 
 impl Imprint {
@@ -57,7 +57,7 @@ impl Imprint {
     pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
         // End of the year 9999; later dates have another form.
         const LAST_S: u64 = 253_402_300_799;
-        let made = match std::env::var("SOURCE_DATE_EPOCH") {
+        let date = match std::env::var("SOURCE_DATE_EPOCH") {
             Err(_) => SystemTime::now(),
             Ok(text) => {
                 let seconds = text.parse().ok().filter(|seconds| *seconds <= LAST_S);
@@ -71,7 +71,7 @@ impl Imprint {
         };
         Ok(Self {
             author: author.unwrap_or(env!("CARGO_PKG_AUTHORS")).to_owned(),
-            made,
+            date,
         })
     }
 }
@@ -253,7 +253,7 @@ pub struct Package {
 }
 
 impl Package {
-    /// True for the bytes of a unit made by any version of this program.
+    /// True for the bytes of a unit of any version of this program.
     pub fn is_ours(bytes: &[u8]) -> bool {
         let head = || -> ZipResult<String> {
             let mut archive = ZipArchive::new(Cursor::new(bytes))?;
@@ -268,7 +268,7 @@ impl Package {
     /// Builds the unit and tries its first step.
     ///
     /// # Errors
-    /// The scene gives no unit, or the library cannot be read.
+    /// The scene cannot become a unit, or the library cannot be read.
     pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {
@@ -350,7 +350,7 @@ impl Package {
         let version = env!("CARGO_PKG_VERSION");
         let (name, about) = (escape(&scene.name), escape(&scene.description));
         let author = escape(&self.imprint.author);
-        let date = humantime::format_rfc3339_seconds(self.imprint.made);
+        let date = humantime::format_rfc3339_seconds(self.imprint.date);
         let outputs = rows.iter().filter(|row| row.of.is_output());
         let outputs =
             outputs.map(|row| format!("      <Unknown index=\"{}\"/>\n", row.reference + 1));

@@ -8,7 +8,7 @@
 //! - null addresses are refused;
 //! - no panic leaves the library.
 //!
-//! A failed call writes NaN to its outputs as far as their length is known, and gives the reason by `pinwheel_law_error`.
+//! A failed call writes NaN to its outputs as far as their length is known; `pinwheel_law_error` returns the reason.
 
 #![allow(unsafe_code)]
 
@@ -189,8 +189,8 @@ pub unsafe extern "C" fn pinwheel_law_body(
         place.fill(f64::NAN);
     }
     status_of(law, |law| {
-        let found = usize::try_from(body).ok().and_then(|k| law.bodies().get(k));
-        let found = found.ok_or_else(|| {
+        let part = usize::try_from(body).ok().and_then(|k| law.bodies().get(k));
+        let part = part.ok_or_else(|| {
             argument(format!(
                 "there is no body {body} among {}",
                 law.bodies().len()
@@ -198,9 +198,9 @@ pub unsafe extern "C" fn pinwheel_law_body(
         })?;
         if !carrier.is_null() {
             // SAFETY: not null, and the caller promises an address.
-            unsafe { carrier.write(found.carrier.number()) };
+            unsafe { carrier.write(part.carrier.number()) };
         }
-        let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
+        let values: [&[f64]; 3] = [&part.seat_m, &[part.mass_kg], &[part.moment_kg_m2]];
         for (place, values) in numbers.iter_mut().zip(values) {
             if let Some(place) = place {
                 place.copy_from_slice(values);

@@ -41,7 +41,7 @@ pub fn required(gearbox: &Gearbox) -> Vec<String> {
 pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
     let law = Law::of(gearbox)?;
     let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
-    // Keys with a value that means none are written, too.
+    // Keys whose value means `none` are written, too.
     for key in KEYS {
         let nothing = match key.kind {
             Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),

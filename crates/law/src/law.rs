@@ -25,14 +25,14 @@ pub enum LawError {
     #[error("{0}")]
     Gearbox(#[from] GearboxError),
     /// Array of a wrong length.
-    #[error("{what} must have {wanted} numbers, not {given}")]
+    #[error("{what} must have {wanted} numbers, not {actual}")]
     Length {
         /// Name of the array.
         what: &'static str,
         /// Required number of values.
         wanted: usize,
-        /// Given number of values.
-        given: usize,
+        /// Actual number of values.
+        actual: usize,
     },
     /// State that is not finite.
     #[error("the state of body {body} is not finite, so there are no forces")]
@@ -148,22 +148,22 @@ impl Law {
         &self.start
     }
 
-    /// Evaluates the contact forces at the given states, [`LOAD`] numbers a body; a function of the states alone.
+    /// Evaluates the contact forces, [`LOAD`] numbers a body. Forces depend on `states` alone.
     ///
     /// # Errors
     /// Wrong lengths, or states that are not finite; the loads are then NaN.
     pub fn loads(&mut self, states: &[f64], loads: &mut [f64]) -> Result<(), LawError> {
         let count = self.bodies.len();
-        for (what, given, wanted) in [
+        for (what, actual, wanted) in [
             ("states", states.len(), STATE * count),
             ("loads", loads.len(), LOAD * count),
         ] {
-            if given != wanted {
+            if actual != wanted {
                 loads.fill(f64::NAN);
                 return Err(LawError::Length {
                     what,
                     wanted,
-                    given,
+                    actual,
                 });
             }
         }
@@ -199,7 +199,7 @@ impl Drop for Law {
     }
 }
 
-/// States of all bodies at the start, as a job's file has them.
+/// Returns the initial states of all bodies in the layout of a job's file.
 fn start_of_job(folder: &Path) -> Option<Vec<f64>> {
     let text = std::fs::read(folder.join(JOB_FILE)).ok()?;
     let job: Value = serde_json::from_slice(&text).ok()?;

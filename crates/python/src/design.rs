@@ -15,19 +15,19 @@ use pyo3::prelude::*;
 
 use crate::errors::{Raises, input, of_key, plain};
 use crate::scene::Core;
-use crate::studies::made;
+use crate::studies::origin;
 use crate::supervise::{Desk, supervised};
 
 /// Returns the value of a key of a dictionary.
-fn value<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyAny>, key: &str) -> PyResult<T> {
-    given.get_item(key)?.extract().map_err(Into::into)
+fn value<'py, T: FromPyObjectOwned<'py>>(gear: &Bound<'py, PyAny>, key: &str) -> PyResult<T> {
+    gear.get_item(key)?.extract().map_err(Into::into)
 }
 
 const ONE_DIAMETER: &str = "give either pin_circle_diameter_mm or outer_diameter_mm";
 
 /// Drafts a scene file from catalogue data by name, in SI; `None` is replaced by a suggestion.
 #[pyfunction]
-pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
+pub(crate) fn gear(name: String, gear: &Bound<'_, PyAny>) -> Raises<String> {
     fn named<T>(
         what: &str,
         name: &str,
@@ -42,35 +42,35 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
     }
     let material = |name: String| named("material", &name, MATERIALS, |known| known.name).copied();
     let process = |name: String| named("process", &name, PROCESSES, |known| known.name);
-    let (pins, made): (Option<String>, Option<String>) =
-        (value(given, "pin_material")?, value(given, "process")?);
+    let (pins, method): (Option<String>, Option<String>) =
+        (value(gear, "pin_material")?, value(gear, "process")?);
     let (outer, cranks): (Option<f64>, Option<usize>) =
-        (value(given, "outer_diameter_m")?, value(given, "cranks")?);
+        (value(gear, "outer_diameter_m")?, value(gear, "cranks")?);
     let catalogue = Catalogue {
         name,
-        ratio: value(given, "ratio")?,
+        ratio: value(gear, "ratio")?,
         cranks,
-        pin_circle_diameter_m: match (value(given, "pin_circle_diameter_m")?, outer) {
+        pin_circle_diameter_m: match (value(gear, "pin_circle_diameter_m")?, outer) {
             (Some(circle), None) => circle,
             (None, Some(outer)) => pin_circle_of_m(outer, cranks.is_some()),
             _ => return Err(input(ONE_DIAMETER)),
         },
         outer_diameter_m: outer,
-        torque_n_m: value(given, "torque_n_m")?,
-        speed_rad_s: value(given, "speed_rad_s")?,
-        material: material(value(given, "material")?)?,
+        torque_n_m: value(gear, "torque_n_m")?,
+        speed_rad_s: value(gear, "speed_rad_s")?,
+        material: material(value(gear, "material")?)?,
         pin_material: pins.map(material).transpose()?,
-        process: made.map(process).transpose()?,
-        ideal: value(given, "ideal")?,
-        pin_diameter_m: value(given, "pin_diameter_m")?,
-        eccentricity_m: value(given, "eccentricity_m")?,
-        wheels: value(given, "wheels")?,
-        output_pins: value(given, "output_pins")?,
-        output_pin_diameter_m: value(given, "output_pin_diameter_m")?,
-        output_circle_diameter_m: value(given, "output_circle_diameter_m")?,
-        face_width_m: value(given, "face_width_m")?,
-        backlash_m: value(given, "backlash_m")?,
-        friction_coefficient: value(given, "friction")?,
+        process: method.map(process).transpose()?,
+        ideal: value(gear, "ideal")?,
+        pin_diameter_m: value(gear, "pin_diameter_m")?,
+        eccentricity_m: value(gear, "eccentricity_m")?,
+        wheels: value(gear, "wheels")?,
+        output_pins: value(gear, "output_pins")?,
+        output_pin_diameter_m: value(gear, "output_pin_diameter_m")?,
+        output_circle_diameter_m: value(gear, "output_circle_diameter_m")?,
+        face_width_m: value(gear, "face_width_m")?,
+        backlash_m: value(gear, "backlash_m")?,
+        friction_coefficient: value(gear, "friction")?,
     };
     let draft = catalogue.draft().map_err(|fault| {
         let typed = |text: &str| {
@@ -89,40 +89,40 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
 /// Design figures of a gear.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Designed {
-    found: designs::DesignResult,
+    design: designs::DesignResult,
 }
 
 #[pymethods]
 impl Designed {
     /// Returns the figures as JSON.
     fn json(&self) -> Raises<String> {
-        Ok(serde_json::to_string(&self.found)?)
+        Ok(serde_json::to_string(&self.design)?)
     }
 
     /// Returns the figures as text: each value and its bounds.
     fn words(&self) -> Vec<(String, String)> {
-        self.found.figures.iter().map(shown).collect()
+        self.design.figures.iter().map(shown).collect()
     }
 
     /// Returns the page, which needs no network.
     fn page(&self) -> String {
-        pages::design::page(&self.found, &made())
+        pages::design::page(&self.design, &origin())
     }
 
     /// Returns the text for a terminal.
     fn text(&self) -> String {
-        pages::design::text(&self.found, true)
+        pages::design::text(&self.design, true)
     }
 
     /// Returns number and drawing (DXF) of every distinct disc.
     fn dxf(&self) -> Vec<(usize, String)> {
-        let discs = self.found.discs.iter();
+        let discs = self.design.discs.iter();
         discs.map(|disc| (disc.number(), disc.dxf())).collect()
     }
 
     /// Returns the answer of the limits and its reason, as text.
     fn bears(&self) -> (String, String) {
-        pages::design::answer(&self.found.limits)
+        pages::design::answer(&self.design.limits)
     }
 }
 
@@ -135,10 +135,10 @@ pub(crate) fn design(
     progress: Option<Py<PyAny>>,
 ) -> Raises<Designed> {
     let gearbox = pinwheel::compile(&scene.checked)?;
-    let found = supervised(py, &Desk::new(), progress.as_ref(), |control| {
+    let design = supervised(py, &Desk::new(), progress.as_ref(), |control| {
         designs::run(&gearbox, runs, control)
     })?;
-    Ok(Designed { found })
+    Ok(Designed { design })
 }
 
 /// Returns the bytes of the scene's co-simulation unit. `library`: path of the library of units; `None`: searched like the

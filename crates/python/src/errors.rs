@@ -36,13 +36,13 @@ fn raise(
     message: &str,
     attributes: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>,
 ) -> Raised {
-    let made = |py: Python<'_>| -> PyResult<PyErr> {
+    let exception = |py: Python<'_>| -> PyResult<PyErr> {
         let class = py.import("pinwheel.errors")?.getattr(class)?;
         let error = class.call_method1("_of", (message,))?;
         attributes(&error)?;
         Ok(PyErr::from_value(error))
     };
-    Raised(Python::attach(made).unwrap_or_else(|broken| broken))
+    Raised(Python::attach(exception).unwrap_or_else(|broken| broken))
 }
 
 /// Returns message, key and remedy of a fault of a scene.
@@ -77,7 +77,7 @@ impl From<SceneError> for Raised {
     }
 }
 
-/// Returns the exception for a fault of `key` with a given message.
+/// Returns the exception for a fault of `key` with a message.
 pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
     raise("SceneError", message, |raised| {
         raised.setattr("key", key)?;

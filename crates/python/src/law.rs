@@ -44,7 +44,7 @@ impl Law {
         let law = self.0;
         let forces: Vec<f64> = py.detach(|| {
             let pairs = stiffness.iter().zip(&depth).zip(&rate);
-            // Without contact the force is 0, whatever a law's formula gives.
+            // Without contact the force is 0, even if the formula of the law differs.
             let force = |((&k, &d), &v): ((&f64, &f64), &f64)| {
                 if k.is_nan() || d.is_nan() || v.is_nan() {
                     f64::NAN

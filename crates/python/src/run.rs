@@ -35,18 +35,18 @@ pub(crate) struct Ran {
 }
 
 impl Ran {
-    fn of(py: Python<'_>, found: single::Outcome) -> Raises<Self> {
+    fn of(py: Python<'_>, result: single::Outcome) -> Raises<Self> {
         Ok(Self {
-            results: to_string(&found.results())?,
-            by_contact_law: found.bands.as_ref().map(to_string).transpose()?,
-            text: pages::single::text(&found, None),
-            engine: found.engine,
-            version: found.version,
-            track: found.track.as_str(),
-            stats: to_string(&found.run.stats)?,
-            resolution: found.resolution.as_ref().map(to_string).transpose()?,
-            uncertainty: found.run.uncertainty.as_ref().map(to_string).transpose()?,
-            columns: Py::new(py, Columns(found.run.time_series))?,
+            results: to_string(&result.results())?,
+            by_contact_law: result.bands.as_ref().map(to_string).transpose()?,
+            text: pages::single::text(&result, None),
+            engine: result.engine,
+            version: result.version,
+            track: result.track.as_str(),
+            stats: to_string(&result.run.stats)?,
+            resolution: result.resolution.as_ref().map(to_string).transpose()?,
+            uncertainty: result.run.uncertainty.as_ref().map(to_string).transpose()?,
+            columns: Py::new(py, Columns(result.run.time_series))?,
         })
     }
 }
@@ -73,28 +73,28 @@ pub(crate) fn run(
     };
     let work = |control: &Control<'_>| {
         let gearbox = pinwheel::compile(checked)?;
-        let found = single::run(&gearbox, engine, check, control)?;
+        let outcome = single::run(&gearbox, engine, check, control)?;
         match check {
-            true => found.with_bands(&gearbox, control),
-            false => Ok(found),
+            true => outcome.with_bands(&gearbox, control),
+            false => Ok(outcome),
         }
     };
     let progress = progress.as_ref();
-    let found = supervised(py, &desk, progress, |control| {
+    let outcome = supervised(py, &desk, progress, |control| {
         Ok::<_, Raised>(work(control))
     })?;
-    let found = found.map_err(|error| {
+    let outcome = outcome.map_err(|error| {
         let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });
         let broke = matches!(&error, StudyError::Ended { ending, .. } if failed(ending));
-        let told = PyErr::from(Raised::from(error));
+        let error = PyErr::from(Raised::from(error));
         let raised = guest.and_then(|guest| guest.raised.lock().ok()?.take());
         if broke {
-            told.set_cause(py, raised);
+            error.set_cause(py, raised);
         }
-        told
+        error
     })?;
-    let (engine, ending) = (found.engine.clone(), found.run.ending.clone());
-    let ran = Ran::of(py, found)?;
+    let (engine, ending) = (outcome.engine.clone(), outcome.run.ending.clone());
+    let ran = Ran::of(py, outcome)?;
     if !ending.is_finished() {
         let partial = Py::new(py, ran)?.into_any();
         return Err(ended(&engine, &ending, Some(partial)));

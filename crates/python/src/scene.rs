@@ -43,7 +43,7 @@ impl Core {
         if let Some(text) = preset(&spec) {
             return Self::new(spec, text.to_owned(), sets);
         }
-        // Small plain files are read here. An unreadable file gives the program's own error.
+        // Small plain files are read here. An unreadable file causes the program's own error.
         let small = std::fs::metadata(&spec)
             .is_ok_and(|file| file.is_file() && file.len() <= pinwheel::scene::MOST_BYTES as u64);
         match small.then(|| std::fs::read_to_string(&spec)) {
@@ -84,8 +84,8 @@ impl Core {
     }
 }
 
-/// Returns the full name of a key that is given in full or by its last part; of several the least nested, if unique:
-/// `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
+/// Returns the full name of a key from its full name or its last part. Of several matches the least nested one is returned,
+/// if unique: `gear.hole_radius_m` before `gear.errors.hole_radius_m`.
 #[pyfunction]
 pub(crate) fn key(name: &str) -> Raises<String> {
     if ["name", "description", "base"].contains(&name) || KEYS.iter().any(|key| key.name == name) {
@@ -93,10 +93,10 @@ pub(crate) fn key(name: &str) -> Raises<String> {
     }
     let last = |full: &'static str| full.rsplit('.').next().unwrap_or(full);
     let ends = KEYS.iter().map(|key| key.name);
-    let mut found: Vec<&str> = ends.filter(|full| last(full) == name).collect();
+    let mut names: Vec<&str> = ends.filter(|full| last(full) == name).collect();
     let depth = |full: &str| full.matches('.').count();
-    let least = found.iter().map(|full| depth(full)).min();
-    found.retain(|full| Some(depth(full)) == least);
+    let least = names.iter().map(|full| depth(full)).min();
+    names.retain(|full| Some(depth(full)) == least);
     let wrong = |what: String| {
         Err(SceneError::Key {
             place: Location::Set(String::new()),
@@ -106,7 +106,7 @@ pub(crate) fn key(name: &str) -> Raises<String> {
         }
         .into())
     };
-    match found.as_slice() {
+    match names.as_slice() {
         [one] => Ok((*one).to_owned()),
         [] => {
             let known = KEYS.iter().map(|key| match name.contains('.') {
@@ -129,7 +129,7 @@ pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
     all.map(|key| (key.name, key.about, key.unit())).collect()
 }
 
-/// All figures: (key, what it is, unit, how it is counted).
+/// Returns all figures: (key, label, unit, definition).
 #[pyfunction]
 pub(crate) fn figures() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
     let row = |def: &'static FigureDef| (&*def.key, &*def.label, &*def.unit, def.how);
@@ -144,7 +144,7 @@ pub(crate) fn named(name: &str) -> (String, String) {
     (def.label.into_owned(), def.unit.into_owned())
 }
 
-/// JSON schema of scene files: the values that every key may hold.
+/// Returns the JSON schema of scene files: permitted values of every key.
 #[pyfunction]
 pub(crate) fn schema() -> String {
     pinwheel::scene::schema::schema().to_string()

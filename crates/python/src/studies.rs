@@ -15,7 +15,7 @@ use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
 /// Returns the origin for pages, with the command of the Python package.
-pub(crate) fn made() -> Provenance {
+pub(crate) fn origin() -> Provenance {
     Provenance::here("python: import pinwheel")
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Compared {
     /// Exception of the caller's first engine that raised one.
     failure: Option<PyErr>,
     /// Remarks on runs that were not kept.
-    said: Vec<String>,
+    messages: Vec<String>,
 }
 
 #[pymethods]
@@ -57,13 +57,13 @@ impl Compared {
         self.failure.as_ref().map(|error| error.clone_ref(py))
     }
 
-    fn said(&self) -> Vec<String> {
-        self.said.clone()
+    fn messages(&self) -> Vec<String> {
+        self.messages.clone()
     }
 
-    /// The page that opens offline.
+    /// Returns the page, which needs no network.
     fn page(&self) -> String {
-        pages::comparison::page(&self.outcome, &made())
+        pages::comparison::page(&self.outcome, &origin())
     }
 
     /// Returns the text for a terminal.
@@ -77,8 +77,8 @@ impl Compared {
     }
 }
 
-/// Runs a scene on several engines and compares them; without names on all there are. `lanes`: engines at a time, and if runs
-/// that were kept do not count.
+/// Runs a scene on the named engines, or on all available ones, and compares the runs. `lanes`: number of engines at a
+/// time, and true to ignore stored runs.
 #[pyfunction]
 pub(crate) fn compare(
     py: Python<'_>,
@@ -102,9 +102,9 @@ pub(crate) fn compare(
     let named = !asked.is_empty();
     let mut engines = guests::engines(asked, checked)?;
     let (jobs, fresh) = lanes;
-    let mut said = Vec::new();
+    let mut messages = Vec::new();
     let store = comparison::store(fresh).unwrap_or_else(|error| {
-        said.push(format!("runs are not kept: {error}"));
+        messages.push(format!("runs are not kept: {error}"));
         None
     });
     if let Some(store) = &store {
@@ -128,7 +128,7 @@ pub(crate) fn compare(
         };
         comparison::run_on(&input, effort, &lanes, control)
     })?;
-    said.extend(store.iter().flat_map(|store| store.messages()));
+    messages.extend(store.iter().flat_map(|store| store.messages()));
     let failure = raised.iter().find_map(|(name, raised)| {
         let mut all = outcome.participants.iter();
         let failed = all.find(|one| {
@@ -142,7 +142,7 @@ pub(crate) fn compare(
         outcome,
         asked: named,
         failure,
-        said,
+        messages,
     })
 }
 
@@ -160,7 +160,7 @@ impl Benched {
     }
 
     fn page(&self) -> String {
-        pages::bench::page(&self.0, &made())
+        pages::bench::page(&self.0, &origin())
     }
 
     fn text(&self) -> String {
@@ -192,19 +192,19 @@ pub(crate) fn bench(
     if !names.is_empty() || own.is_empty() {
         own.splice(..0, benches::engines(&names, checked)?);
     }
-    let found = supervised(py, &desk, progress.as_ref(), |control| {
+    let study = supervised(py, &desk, progress.as_ref(), |control| {
         benches::run(checked, &own, &options, control)
     })?;
-    Ok(Benched(found))
+    Ok(Benched(study))
 }
 
 /// Returns model and assumptions of a scene: (JSON, text).
 #[pyfunction]
 pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     let gearbox = pinwheel::compile(&scene.checked)?;
-    let found = explained::explain(&gearbox);
-    let json = serde_json::to_string(&found)?;
-    Ok((json, pages::explain::text(&found)))
+    let explained = explained::explain(&gearbox);
+    let json = serde_json::to_string(&explained)?;
+    Ok((json, pages::explain::text(&explained)))
 }
 
 /// Returns the available engines, like the program's `engines --json`.

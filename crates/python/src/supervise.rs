@@ -22,7 +22,7 @@ const STACK_BYTES: usize = 8 << 20;
 
 /// Progress of a study at its last report.
 #[derive(Clone, Default)]
-struct Seen {
+struct LastReport {
     done: usize,
     total: usize,
     piece: String,
@@ -116,14 +116,14 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
     work: impl FnOnce(&Control<'_>) -> Result<T, E> + Send,
 ) -> Raises<T> {
     let cancel = AtomicBool::new(false);
-    let seen = Arc::new(Mutex::new(Seen::default()));
+    let last = Arc::new(Mutex::new(LastReport::default()));
     let (done, raised) = py.detach(|| {
         let ending = Ending(desk.bring.clone());
         let report = |at: Progress<'_>| {
-            let mut seen = lock(&seen);
-            (seen.done, seen.total, seen.simulated_s) = (at.done, at.total, at.simulated_s);
-            if seen.piece != at.piece {
-                at.piece.clone_into(&mut seen.piece);
+            let mut last = lock(&last);
+            (last.done, last.total, last.simulated_s) = (at.done, at.total, at.simulated_s);
+            if last.piece != at.piece {
+                at.piece.clone_into(&mut last.piece);
             }
         };
         scope(|scope| {
@@ -149,11 +149,11 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
                         continue;
                     }
                     Ok(Item::Call(call)) => {
-                        Python::attach(|py| call.run(py, progress, Arc::clone(&seen)))
+                        Python::attach(|py| call.run(py, progress, Arc::clone(&last)))
                     }
                     Err(RecvTimeoutError::Timeout) if raised.is_some() => continue,
                     Err(RecvTimeoutError::Timeout) => {
-                        let now = lock(&seen).clone();
+                        let now = lock(&last).clone();
                         Python::attach(|py| tell(py, progress, &now))
                     }
                 };
@@ -170,7 +170,7 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
         return Err(error.into());
     }
     if let Some(progress) = progress {
-        let mut last = lock(&seen).clone();
+        let mut last = lock(&last).clone();
         last.done = last.total;
         call(py, progress, &last)?;
     }
@@ -181,8 +181,8 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
 /// Returns the package's exception for a run that was stopped.
 fn stopped(py: Python<'_>) -> PyErr {
     let errors = py.import("pinwheel_engines.errors");
-    let made = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
-    made.map_or_else(|broken| broken, PyErr::from_value)
+    let exception = errors.and_then(|errors| errors.getattr("Cancelled")?.call0());
+    exception.map_or_else(|broken| broken, PyErr::from_value)
 }
 
 impl Call {
@@ -200,15 +200,15 @@ impl Call {
         self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        seen: Arc<Mutex<Seen>>,
+        last: Arc<Mutex<LastReport>>,
     ) -> PyResult<()> {
         let refused = Arc::new(Mutex::new(None));
-        let ran = self.listen(py, progress, seen, Arc::clone(&refused));
+        let ran = self.listen(py, progress, last, Arc::clone(&refused));
         let ran = ran.and_then(|()| self.drive.call1(py, (&self.scene, &self.options)));
-        let told = lock(&refused).take();
+        let error = lock(&refused).take();
         let stops = match &ran {
             Err(error) if !error.is_instance_of::<PyException>(py) => Some(error.clone_ref(py)),
-            _ => told,
+            _ => error,
         };
         let answer = match stops {
             Some(_) => Err(stopped(py)),
@@ -223,7 +223,7 @@ impl Call {
         &self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        seen: Arc<Mutex<Seen>>,
+        last: Arc<Mutex<LastReport>>,
         refused: Arc<Mutex<Option<PyErr>>>,
     ) -> PyResult<()> {
         let Some(progress) = progress.map(|progress| progress.clone_ref(py)) else {
@@ -233,17 +233,17 @@ impl Call {
         let Some(report) = options.get_item("on_progress")?.map(Bound::unbind) else {
             return Ok(());
         };
-        let last = Mutex::new(Instant::now());
+        let called = Mutex::new(Instant::now());
         let both = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<bool> {
             let py = args.py();
             let stop: bool = report.call1(py, args)?.extract(py)?;
-            if lock(&last).elapsed() < EVERY {
+            if lock(&called).elapsed() < EVERY {
                 return Ok(stop);
             }
-            *lock(&last) = Instant::now();
-            let now = lock(&seen).clone();
-            let told = tell(py, Some(&progress), &now);
-            Ok(match told {
+            *lock(&called) = Instant::now();
+            let now = lock(&last).clone();
+            let result = tell(py, Some(&progress), &now);
+            Ok(match result {
                 Ok(()) => stop,
                 Err(error) => {
                     *lock(&refused) = Some(error);
@@ -255,16 +255,16 @@ impl Call {
     }
 }
 
-fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, seen: &Seen) -> PyResult<()> {
+fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, last: &LastReport) -> PyResult<()> {
     py.check_signals()?;
     match progress {
-        Some(progress) if seen.total > 0 => call(py, progress, seen),
+        Some(progress) if last.total > 0 => call(py, progress, last),
         _ => Ok(()),
     }
 }
 
-fn call(py: Python<'_>, progress: &Py<PyAny>, seen: &Seen) -> PyResult<()> {
-    let [now, of] = seen.simulated_s.unwrap_or([0.0; 2]);
-    progress.call1(py, (seen.done, seen.total, seen.piece.as_str(), now, of))?;
+fn call(py: Python<'_>, progress: &Py<PyAny>, last: &LastReport) -> PyResult<()> {
+    let [now, of] = last.simulated_s.unwrap_or([0.0; 2]);
+    progress.call1(py, (last.done, last.total, last.piece.as_str(), now, of))?;
     Ok(())
 }

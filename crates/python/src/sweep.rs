@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use crate::errors::{Raised, Raises, input, plain};
 use crate::guests::{self, Asked};
 use crate::scene::overrides;
-use crate::studies::made;
+use crate::studies::origin;
 use crate::supervise::{Desk, lock, supervised};
 
 /// Command in the manifest of a folder.
@@ -32,7 +32,7 @@ pub(crate) struct Sweep {
     request: Request,
     /// `None` after the results are written.
     journal: Mutex<Option<Journal>>,
-    /// Index of the first run that no worker was given.
+    /// Index of the first run without a worker.
     next: AtomicUsize,
     rows: Mutex<Rows>,
     /// Complete rows, with their table.
@@ -187,9 +187,9 @@ impl Sweep {
         let mut journal = lock(&self.journal);
         let held = journal.as_ref().ok_or_else(over)?;
         let target = Folder::prepare(&self.out, self.request.clone())?;
-        let (table, made) = (sweeps::results(&self.plan, &rows), made());
-        sweeps::write(target.path(), &self.plan, &rows, &table, held, &made)?;
-        let page = pages::sweep::page(&self.plan, &rows, &table, &made);
+        let (table, origin) = (sweeps::results(&self.plan, &rows), origin());
+        sweeps::write(target.path(), &self.plan, &rows, &table, held, &origin)?;
+        let page = pages::sweep::page(&self.plan, &rows, &table, &origin);
         write_text(&target.path().join("index.html"), &page)?;
         target.publish()?;
         drop(rows);
@@ -236,8 +236,8 @@ impl Sweep {
 
     /// Returns the results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
-        let found = sweeps::tolerances(&self.plan, self.results()?.1);
-        Ok(serde_json::to_string(&found)?)
+        let samples = sweeps::tolerances(&self.plan, self.results()?.1);
+        Ok(serde_json::to_string(&samples)?)
     }
 
     /// Returns the text for a terminal.
@@ -297,12 +297,12 @@ pub(crate) fn perform(
             window_s,
             refused: None,
         };
-        let made = py.detach(|| {
+        let record = py.detach(|| {
             let control = pinwheel::Control::quiet();
             let place = (place.as_path(), keep);
             sweeps::perform(&planned, &scene, place, &mut last, &control)
         });
-        let mut record = made?;
+        let mut record = record?;
         record.scene = String::new();
         Ok(serde_json::to_string(&record)?)
     });

@@ -42,7 +42,8 @@ pub fn shown(one: &Figure) -> (String, String) {
     (shown, joined("; ", bands.chain(off)))
 }
 
-/// Returns the interval that sets a value's digits: the narrowest, so that the value as shown lies in each as shown.
+/// Returns the narrowest band of a figure. It sets the digits of the value, so that the rounded value lies in every rounded
+/// band.
 fn narrowest(one: &Figure) -> Option<[f64; 2]> {
     one.bands().last().map(|(_, band)| *band)
 }

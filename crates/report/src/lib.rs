@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`study::render`] makes the page of any study. A page opens without a network, is readable without a script (every table
-//! is plain HTML), and draws its time series with an embedded plotting library. Only [`pages`] knows studies.
+//! is plain HTML), and draws its time series with an embedded plotting library. Only [`pages`] depends on studies.
 
 pub mod figure;
 pub mod format;

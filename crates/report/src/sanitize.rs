@@ -63,9 +63,9 @@ mod tests {
     #[test]
     fn nothing_steers_the_terminal() {
         let evil = "a\u{1b}]0;t\u{7}b\u{9b}2J\u{202e}c\r\nd\u{1b}[2Je";
-        let said = sanitize(evil, false);
+        let text = sanitize(evil, false);
         assert_eq!(
-            said,
+            text,
             "a\\u001b]0;t\\u0007b\\u009b2J\\u202ec\\u000d\\u000ad\\u001b[2Je"
         );
         assert_eq!(
@@ -80,9 +80,9 @@ mod tests {
     #[test]
     fn long_messages_lose_their_middle() {
         let long = format!("file: {}; mend it", "x".repeat(100_000));
-        let said = shortened(&long);
-        assert!(said.chars().count() <= LONGEST && said.ends_with("; mend it"));
-        assert!(said.starts_with("file: x"), "{said}");
+        let text = shortened(&long);
+        assert!(text.chars().count() <= LONGEST && text.ends_with("; mend it"));
+        assert!(text.starts_with("file: x"), "{text}");
         assert_eq!(shortened("short"), "short");
     }
 }

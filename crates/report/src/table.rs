@@ -19,8 +19,8 @@ pub fn named(label: &str, unit: &str) -> String {
 
 /// Returns the text of a cell: the text that replaces the value, or the value with no digit beyond its uncertainty.
 pub fn words(column: &Column, row: usize) -> String {
-    if let Some(said) = of_row(&column.said, row) {
-        return said;
+    if let Some(text) = of_row(&column.said, row) {
+        return text;
     }
     match &column.values {
         Values::Text(_) => column.values.words(row).unwrap_or_default().to_owned(),

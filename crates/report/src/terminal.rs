@@ -60,8 +60,8 @@ const LEAST: usize = 12;
 
 /// Returns the line length of the terminal at stdout, stdin or stderr; 80 without one.
 pub fn width() -> usize {
-    let found = terminal_size::terminal_size();
-    let columns = found.map_or(USUAL, |(columns, _)| usize::from(columns.0));
+    let size = terminal_size::terminal_size();
+    let columns = size.map_or(USUAL, |(columns, _)| usize::from(columns.0));
     columns.clamp(*WIDTHS.start(), *WIDTHS.end())
 }
 
@@ -93,9 +93,9 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
         let least = (0..columns).map(|k| word(k).min(most(k)));
         let least: Vec<usize> = least.collect();
         while widths.iter().sum::<usize>() + 2 * last > room {
-            let gives = (0..columns).filter(|&k| widths[k] > least[k]);
+            let wide = (0..columns).filter(|&k| widths[k] > least[k]);
             let prose = |k: usize| k == last && widths[k] > 2 * LEAST && !figures(k);
-            let Some(widest) = gives.max_by_key(|&k| (prose(k), widths[k])) else {
+            let Some(widest) = wide.max_by_key(|&k| (prose(k), widths[k])) else {
                 break;
             };
             widths[widest] -= 1;
@@ -108,7 +108,7 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
         let cells: Vec<Vec<String>> = cells.collect();
         let high = cells.iter().map(Vec::len).max().unwrap_or(0);
         for line in 0..high {
-            let mut whole = String::new();
+            let mut joined = String::new();
             for ((cell, parts), width) in row.iter().zip(&cells).zip(&widths) {
                 let part = parts.get(line).map_or("", String::as_str);
                 let padding = " ".repeat(width.saturating_sub(part.chars().count()));
@@ -116,12 +116,12 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
                     "" => String::new(),
                     part => styled(cell.style, part),
                 };
-                whole += &match cell.right {
+                joined += &match cell.right {
                     true => format!("{padding}{part}  "),
                     false => format!("{part}{padding}  "),
                 };
             }
-            text.push_str(whole.trim_end());
+            text.push_str(joined.trim_end());
             text.push('\n');
         }
     }

@@ -517,8 +517,8 @@ mod tests {
                 }
                 assert_ne!(flag.get_long(), Some("threads"), "{name}");
                 let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
-                let told = help.contains("[default:") && !flag.get_default_values().is_empty();
-                assert!(!told, "{name}: {help}");
+                let stated = help.contains("[default:") && !flag.get_default_values().is_empty();
+                assert!(!stated, "{name}: {help}");
             }
             command.get_subcommands().for_each(look);
         }
@@ -572,12 +572,12 @@ mod tests {
     #[test]
     fn documents_explain_the_status_in_the_words_of_the_help() {
         let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-        let told = words(STATUS).replace("Exit status: ", "");
+        let status = words(STATUS).replace("Exit status: ", "");
         for document in [
             include_str!("../../../../README.md"),
             include_str!("../../../../docs/verdicts.md"),
         ] {
-            assert!(words(document).contains(&told));
+            assert!(words(document).contains(&status));
         }
     }
 

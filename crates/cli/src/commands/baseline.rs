@@ -70,16 +70,16 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         ..args.running.options()?
     };
     let here = made(options.kernel);
-    let found = watched(|control| baseline::check(&accepted, here, &options, control))?;
+    let check = watched(|control| baseline::check(&accepted, here, &options, control))?;
 
-    let made = folder.write(|dir, made| baseline::write(name, &found, &accepted, dir, made))?;
-    let page = pages::baseline::page(name, &accepted, &found, &made);
-    folder.show(&page, &pages::baseline::text(name, &found))?;
+    let origin = folder.write(|dir, of| baseline::write(name, &check, &accepted, dir, of))?;
+    let page = pages::baseline::page(name, &accepted, &check, &origin);
+    folder.show(&page, &pages::baseline::text(name, &check))?;
     if let Some(path) = &args.junit {
-        let suite = junit::of_baseline(name, &found);
+        let suite = junit::of_baseline(name, &check);
         junit::write(path, "pinwheel baseline", vec![suite])?;
     }
-    Ok(match found.verdict {
+    Ok(match check.verdict {
         Verdict::Worse => DIFFER,
         Verdict::New => INCONCLUSIVE,
         _ => 0,

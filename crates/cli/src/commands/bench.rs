@@ -18,8 +18,8 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "bench")?;
     let measured = watched(|control| bench::run(&scene, &engines, &options, control))?;
 
-    let made = folder.write(|dir, made| measured.write(dir, made))?;
-    let page = pages::bench::page(&measured, &made);
+    let origin = folder.write(|dir, origin| measured.write(dir, origin))?;
+    let page = pages::bench::page(&measured, &origin);
     let text = pages::bench::text(&measured);
     if !measured.complete {
         let out = folder.publish_partial(&page)?;

@@ -54,42 +54,42 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         store: store.as_deref(),
         ahead: Some(ahead),
     };
-    let found = watched(|control| comparison::run_on(&input, effort, &lanes, control));
+    let outcome = watched(|control| comparison::run_on(&input, effort, &lanes, control));
     for line in store.iter().flat_map(|store| store.messages()) {
         screen::warn(&line);
     }
-    let mut found = found.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
+    let mut outcome = outcome.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
     // An engine that was asked for by name and is left out ends in an error.
-    found.comparison.passed &= found.broken(asked_by_name).is_none();
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::comparison::page(&found, &made);
-    let mut text = pages::comparison::text(scene, &found);
+    outcome.comparison.passed &= outcome.broken(asked_by_name).is_none();
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+    let page = pages::comparison::page(&outcome, &origin);
+    let mut text = pages::comparison::text(scene, &outcome);
     if screen::manner().verbose {
         text.push('\n');
-        text.push_str(&pages::comparison::details(&found));
+        text.push_str(&pages::comparison::details(&outcome));
     }
-    screen::answer(pages::comparison::verdict(&found));
+    screen::answer(pages::comparison::verdict(&outcome));
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
-        let suites = junit::of_comparison(&found.comparison);
+        let suites = junit::of_comparison(&outcome.comparison);
         junit::write(path, "pinwheel compare", suites)?;
     }
     name_idle(&args.scene, &gearbox)?;
 
-    match found.broken(asked_by_name) {
+    match outcome.broken(asked_by_name) {
         Some(broken) => Err(Failure::engine(broken)),
-        None => Ok(found.exit_status()),
+        None => Ok(outcome.exit_status()),
     }
 }
 
-/// The failure of a comparison, and how it goes on if it was stopped.
+/// Returns the failure of a comparison; after a stop, the message names the command that continues it.
 fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
-    let made = store.map_or(0, Store::made);
+    let stored = store.map_or(0, Store::made);
     match error {
-        StudyError::Cancelled if made > 0 => {
+        StudyError::Cancelled if stored > 0 => {
             let without = if fresh { " without --fresh" } else { "" };
             let kept = format!(
-                "stopped; {made} runs are kept: the same command{without} goes on with them"
+                "stopped; {stored} runs are kept: the same command{without} goes on with them"
             );
             Failure::new(STOPPED, kept)
         }
@@ -122,9 +122,9 @@ fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>)
     };
     command.args(["--ahead", &format!("{name} {divergence}")]);
     let _ = process::run(&mut command, None, &mut |piece| {
-        let said = piece.filter(|piece| !piece.stderr);
-        let said = said.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
-        if let Some(left_s) = said.and_then(|said| said.lines().last()?.parse().ok()) {
+        let output = piece.filter(|piece| !piece.stderr);
+        let output = output.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
+        if let Some(left_s) = output.and_then(|output| output.lines().last()?.parse().ok()) {
             (control.progress)(Progress {
                 left_s: Some(left_s),
                 ..Progress::new(0, 1, name)
@@ -165,11 +165,11 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         engine: engine.as_ref(),
         efforts: [a?, b?],
     };
-    let found = watched(|control| design_diff::run(&input, control))?;
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::design_diff::page(&found, &made);
-    folder.show(&page, &pages::design_diff::text(&found))?;
-    if let Some((name, reason)) = found.broken() {
+    let diff = watched(|control| design_diff::run(&input, control))?;
+    let origin = folder.write(|dir, origin| diff.write(dir, origin))?;
+    let page = pages::design_diff::page(&diff, &origin);
+    folder.show(&page, &pages::design_diff::text(&diff))?;
+    if let Some((name, reason)) = diff.broken() {
         return Err(Failure::engine(format!(
             "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
         )));

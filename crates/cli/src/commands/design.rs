@@ -45,7 +45,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     }
     files.push((&schema_file, &schema, is_schema));
     folder::check(&schema_file, &is_schema)?;
-    // The scene last: what refers to files has them.
+    // The scene comes last, because it refers to the other files.
     for (path, text, ours) in files.iter().rev() {
         folder::replace(path, text.as_bytes(), ours)?;
     }
@@ -70,7 +70,7 @@ fn is_schema(content: &[u8]) -> bool {
     String::from_utf8_lossy(content).contains(schema::TITLE)
 }
 
-/// Returns true for the text of a study of tolerances, right or wrong.
+/// Returns true for the text of a study of tolerances, valid or not.
 fn is_study(content: &[u8]) -> bool {
     lines(content).any(|line| line == b"[sample]")
 }
@@ -99,22 +99,22 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
     let begun = Instant::now();
-    let mut found = watched(|control| design::run(&gearbox, !args.statics, control))?;
+    let mut design = watched(|control| design::run(&gearbox, !args.statics, control))?;
     let took = begun.elapsed();
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
-        found.fit_rest(stated)?;
+        design.fit_rest(stated)?;
     }
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let html = pages::design::page(&found, &made);
-    let text = pages::design::text(&found, screen::manner().verbose);
-    let (said, why) = pages::design::answer(&found.limits);
-    screen::answer(format!("bears its load: {said}; {why}"));
+    let origin = folder.write(|dir, origin| design.write(dir, origin))?;
+    let html = pages::design::page(&design, &origin);
+    let text = pages::design::text(&design, screen::manner().verbose);
+    let (answer, why) = pages::design::answer(&design.limits);
+    screen::answer(format!("bears its load: {answer}; {why}"));
     folder.show(&html, &text)?;
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {
-        settings.idle_in_design(&found, took, control, |other| {
-            pages::design::page(other, &made) == html
+        settings.idle_in_design(&design, took, control, |other| {
+            pages::design::page(other, &origin) == html
         })
     })?;
-    Ok(found.limits.exceeded().map_or(0, |_| DIFFER))
+    Ok(design.limits.exceeded().map_or(0, |_| DIFFER))
 }

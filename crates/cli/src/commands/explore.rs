@@ -1,10 +1,11 @@
 //! `pinwheel explore`: a live page for this machine only.
 //!
-//! Other pages in the browser must not drive it: the address holds a token, known to its user alone, that any browser exchanges for
-//! a cookie and a key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
-//! this machine, so whoever serves another one may have it: every POST brings the key in a header too, from the browser's store,
-//! which knows ports. The browser is started with a file that only its user may read, as arguments are there for all to read. A
-//! page in a frame of another site gets no cookie: there a secret begins every path, and whoever has it may show the page.
+//! Other pages in the browser must not control the program. The address contains a secret token, which a browser exchanges
+//! for a cookie and a key. Every request must name this host, and a request with an effect must come from this page.
+//! Browsers send a cookie to every port of the machine, so a server on another port may learn it. Every POST therefore has
+//! the key in a header too, from the browser's store, which separates ports. The browser is started with a file that only
+//! its user may read, because other users can read arguments. A page in a frame of another site gets no cookie: a secret
+//! begins each of its paths, and anyone with the secret may show the page.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -38,9 +39,9 @@ const TICK: Duration = Duration::from_millis(200);
 /// Longest wait of an answer for its balances, because a longer delay is noticeable at the sliders. After late balances some runs
 /// omit them.
 const PATIENCE: Duration = Duration::from_millis(36);
-/// Longest wait for its run, which is asked for again.
+/// Longest duration of a state's run; the page requests an unfinished run again.
 const RUN: Duration = Duration::from_millis(30);
-/// Runs without balances: number from now on, and number after the next late ones.
+/// Number of next runs that omit balances, and the number after the next late balances.
 #[derive(Clone, Copy)]
 struct Without {
     left: u32,
@@ -104,8 +105,8 @@ impl Entry {
                 inside.ok_or_else(|| refused(unknown))
             }
             Self::Browser { token, cookie, key } => {
-                let given = path.strip_prefix("/?token=");
-                if given == Some(token.as_str()) {
+                let sent = path.strip_prefix("/?token=");
+                if sent == Some(token.as_str()) {
                     let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));
@@ -119,7 +120,7 @@ impl Entry {
                 let has_key = question.method != "POST" || question.header(KEY) == Some(key);
                 match (known, has_key) {
                     // A link of an earlier start.
-                    (true, true) if given.is_some() => Ok("/"),
+                    (true, true) if sent.is_some() => Ok("/"),
                     (true, true) => Ok(path),
                     (true, false) => Err(refused(
                         "this page lacks the key of the address: open that address again",
@@ -151,13 +152,13 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     asks
 }
 
-/// Figures of a state's balances, with their bands, or those of a sample, as the page reads them.
+/// Returns the figures of a state for the page: those of balances, with bands for `/bands`, or the yield for `/sample`.
 fn balances(gearbox: &Gearbox, path: &str, stop: &AtomicBool) -> Result<Value, StudyError> {
     if path == "/sample" {
         return Ok(live::sample(states::sample(gearbox, stop)?));
     }
-    let (found, limits) = states::figures(gearbox, path == "/bands", stop)?;
-    Ok(live::balances(&found, limits.as_ref(), &gearbox.scene))
+    let (figures, limits) = states::figures(gearbox, path == "/bands", stop)?;
+    Ok(live::balances(&figures, limits.as_ref(), &gearbox.scene))
 }
 
 struct Explorer {
@@ -238,7 +239,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         std::thread::sleep(TICK);
     }
     drop(opened);
-    // It stops by itself and leaves no draft.
+    // A comparison stops at the interrupt and removes its draft.
     let work = locked(&explorer.compared).work.take();
     if let Some(work) = work {
         let _ = work.join();
@@ -246,7 +247,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Listens on the given port, or on the usual one, so that the browser's store persists, or on any.
+/// Listens on the requested port, else on the default one, which keeps the browser's store, else on any.
 fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     let listener = match port {
         Some(port) => loopback::bind(port),
@@ -308,9 +309,9 @@ impl From<Failure> for Answer {
 }
 
 /// Returns balances for the page's script; null if they were stopped.
-fn balanced(found: Result<Value, StudyError>) -> Value {
-    match found {
-        Ok(found) => found,
+fn balanced(balances: Result<Value, StudyError>) -> Value {
+    match balances {
+        Ok(balances) => balances,
         Err(StudyError::Cancelled) => LATE,
         Err(why) => json!({"reason": why.to_string()}),
     }
@@ -362,11 +363,11 @@ impl Explorer {
         let scene = states::scene(&self.spec, &self.settled, &[]);
         let scene = scene.map_err(|why| plain(422, mend(why)))?;
         *locked(&self.span_s) = states::span_s(&scene);
-        let made = Provenance::here(args::typed());
+        let origin = Provenance::here(args::typed());
         let gearbox = states::quick(&scene).map_err(|why| plain(422, why))?;
         let motion = states::motion(&gearbox, states::span_s(&scene), &Control::silent(gone));
         let motion = motion.map_err(Failure::from)?;
-        let text = live::page(&scene, motion.as_ref(), &made);
+        let text = live::page(&scene, motion.as_ref(), &origin);
         text.map(page).map_err(|why| plain(422, why))
     }
 
@@ -393,23 +394,23 @@ impl Explorer {
                 late.store(true, Ordering::Relaxed);
             }
         };
-        let found = match states::motion(&gearbox, span_s, &Control::new(&late, &watch)) {
+        let reply = match states::motion(&gearbox, span_s, &Control::new(&late, &watch)) {
             Ok(motion) => live::run(motion.as_ref()),
             Err(_) => Ok(json!({})),
         };
-        let patience = match found {
+        let patience = match reply {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
         };
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
         *locked(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
-        let mut run = found.map_err(reason)?;
+        let mut run = reply.map_err(reason)?;
         run["balanced"] = figures.map_or(LATE, balanced);
         Ok(json_of(&run))
     }
 
-    /// Computes what the answer of the newest requested state lacks; `stop` ends it.
+    /// Answers a request for motion, balances, bands or a sample of the newest state; `stop` cancels the computation.
     fn balances(
         &self,
         tab: &str,
@@ -427,12 +428,12 @@ impl Explorer {
             };
         }
         let begun = Instant::now();
-        let found = balances(&gearbox, path, stop);
-        if path == "/balances" && found.is_ok() {
+        let reply = balances(&gearbox, path, stop);
+        if path == "/balances" && reply.is_ok() {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
-        Ok(json_of(&balanced(found)))
+        Ok(json_of(&balanced(reply)))
     }
 
     /// Cancels the running balances of a page; `stop` cancels the new ones.
@@ -444,14 +445,14 @@ impl Explorer {
         }
     }
 
-    /// Returns the scene's file with what was moved, for the reader to keep.
+    /// Returns the scene's file with the changed values as a download.
     fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let name = format!("{}-explored.toml", file_name(&name));
         Ok(json_of(&json!({"name": name, "text": text})))
     }
 
-    /// Writes the scene's file, with what was moved, into the working folder; never over another one.
+    /// Writes the scene's file with the changed values into the working folder; never replaces a file.
     fn save(&self, values: &states::Values) -> Result<Answer, Answer> {
         let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let stem = file_name(&name);
@@ -548,9 +549,9 @@ impl Explorer {
             obey: Effort::asked(scene, &self.spec, &self.sets, 1.0, 1.0)?.obey,
             ..Effort::of(scene)
         };
-        let found = comparison::run_with(&input, effort, &control)?;
-        let made = folder.write(|dir, made| found.write(dir, made))?;
-        let page = pages::comparison::page(&found, &made);
+        let outcome = comparison::run_with(&input, effort, &control)?;
+        let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+        let page = pages::comparison::page(&outcome, &origin);
         folder.write_page(&page)?;
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))

@@ -14,8 +14,8 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
     let folder = Folder::of(&args.out, "paper", "")?;
     let mut peer = None;
     if figures.is_empty() || figures.iter().any(|f| f == "10") {
-        let found = watched(|control| paper::peer(args.against.as_deref(), control));
-        peer = found.map_err(|error| match error {
+        let result = watched(|control| paper::peer(args.against.as_deref(), control));
+        peer = result.map_err(|error| match error {
             StudyError::Ended { .. } => {
                 Failure::engine(format!("{error}; choose another with --against"))
             }
@@ -23,13 +23,13 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
         })?;
     }
     let options = Options { figures, peer };
-    let found = watched(|control| paper::run(&options, control)).map_err(|error| match error {
+    let result = watched(|control| paper::run(&options, control)).map_err(|error| match error {
         StudyError::Cancelled => Failure::stopped(),
         error => Failure::engine(format!(
             "the paper's figures cannot be computed: {error}; leave the figure out with --figures"
         )),
     })?;
-    let made = folder.write(|dir, made| found.write(dir, &options, made))?;
-    let page = pages::paper::page(&found, &made);
-    folder.show(&page, &pages::paper::text(&found))
+    let origin = folder.write(|dir, origin| result.write(dir, &options, origin))?;
+    let page = pages::paper::page(&result, &origin);
+    folder.show(&page, &pages::paper::text(&result))
 }

@@ -20,10 +20,10 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
             ));
         }
         for engine in engines {
-            let found =
+            let recorded =
                 watched(|control| recording::record(engine.as_ref(), scene, &args.out, control))?;
-            failed |= matches!(found, Recorded::Broken(_));
-            let said = match found {
+            failed |= matches!(recorded, Recorded::Broken(_));
+            let text = match recorded {
                 Recorded::Kept { samples, bytes } => {
                     format!("{samples} samples, {} kB", bytes / 1000)
                 }
@@ -31,7 +31,7 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
                     format!("not recorded: {reason}")
                 }
             };
-            screen::show(&format!("{} {}: {said}", scene.name, engine.name()))?;
+            screen::show(&format!("{} {}: {text}", scene.name, engine.name()))?;
         }
     }
     Ok(if failed { ENGINE } else { 0 })

@@ -19,37 +19,37 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
-    let found = watched(|control| {
-        let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
-        match args.unchecked || found.diverged().is_some() {
+    let outcome = watched(|control| {
+        let outcome = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
+        match args.unchecked || outcome.diverged().is_some() {
             // A run that broke off has no figures with a band.
-            true => Ok(found),
-            false => found
+            true => Ok(outcome),
+            false => outcome
                 .with_bands(&gearbox, control)?
                 .for_page(&gearbox, control),
         }
     })?;
-    let made = folder.write(|dir, made| found.write(dir, made))?;
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
     if !args.unchecked {
-        folder.write_page(&pages::single::page(&found, &made))?;
+        folder.write_page(&pages::single::page(&outcome, &origin))?;
     }
     let place = folder.publish()?;
     if !args.unchecked {
         let of = "the time series of this scene";
         idle::name(&args.scene, &gearbox, of, |settings, control| {
-            settings.idle_in_run(engine.as_ref(), &found.run, control)
+            settings.idle_in_run(engine.as_ref(), &outcome.run, control)
         })?;
     }
-    let time_series = place.join(single::file(&found.run.ending));
+    let time_series = place.join(single::file(&outcome.run.ending));
     let time_series = time_series.display();
 
-    if let Some(diverged) = found.diverged() {
-        let remedy = single::remedy(&gearbox, found.track);
+    if let Some(diverged) = outcome.diverged() {
+        let remedy = single::remedy(&gearbox, outcome.track);
         return Err(Failure::engine(format!(
             "{diverged}; what there is until then is in {time_series}; {remedy}"
         )));
     }
-    let text = pages::single::text(&found, Some(&time_series.to_string()));
+    let text = pages::single::text(&outcome, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
     let Manner { quiet, json, .. } = screen::manner();
     if quiet {
@@ -57,7 +57,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     } else if !(json || args.unchecked) {
         screen::show(&format!("page: {}", place.join(PAGE).display()))?;
     }
-    match found.unresolved(&gearbox) {
+    match outcome.unresolved(&gearbox) {
         Some(unresolved) => Err(Failure::new(INCONCLUSIVE, unresolved)),
         None => Ok(()),
     }

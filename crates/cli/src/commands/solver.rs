@@ -51,14 +51,14 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
     let label = format!("{}-check", file_name(&name));
     let folder = Folder::of(out, label, &relative(file))?;
     check_junit(junit, folder.place())?;
-    let found = watched(|control| conformance::check(&solver, control))?;
-    let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::conformance::page(&found, &made);
-    folder.show(&page, &pages::conformance::text(&found))?;
+    let outcome = watched(|control| conformance::check(&solver, control))?;
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+    let page = pages::conformance::page(&outcome, &origin);
+    folder.show(&page, &pages::conformance::text(&outcome))?;
     if let Some(path) = junit {
-        junit::write(path, "pinwheel solver check", vec![found.suite()])?;
+        junit::write(path, "pinwheel solver check", vec![outcome.suite()])?;
     }
-    Ok(if found.passed() { 0 } else { DIFFER })
+    Ok(if outcome.passed() { 0 } else { DIFFER })
 }
 
 fn job(scene: &SceneArgs, folder: &Path) -> Result<u8, Failure> {

@@ -36,8 +36,8 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         Err(error) => return Err(error.into()),
     };
 
-    let made = folder.write(|dir, made| atlas.write(dir, made))?;
-    let page = pages::stability::page(&atlas, &made);
+    let origin = folder.write(|dir, origin| atlas.write(dir, origin))?;
+    let page = pages::stability::page(&atlas, &origin);
     if stopped {
         let place = folder.publish_partial(&page)?;
         let (done, all) = (atlas.done().count(), atlas.rows.len());
@@ -49,7 +49,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         let message = format!(
             "stopped; {done} of {all} scenes are in {}; `{}{out} --resume` does the rest",
             place.display(),
-            made.command
+            origin.command
         );
         return Err(Failure::new(STOPPED, message));
     }

@@ -37,8 +37,8 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let rows = rows.all().unwrap_or_default();
     let folder = prepare()?;
     let table = sweep::results(&plan, &rows);
-    let made = folder.write(|dir, made| sweep::write(dir, &plan, &rows, &table, &journal, made))?;
-    let page = pages::sweep::page(&plan, &rows, &table, &made);
+    let origin = folder.write(|dir, of| sweep::write(dir, &plan, &rows, &table, &journal, of))?;
+    let page = pages::sweep::page(&plan, &rows, &table, &origin);
     let csv = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &rows, &table, &[("results", csv.clone())]);
     folder.write_page(&page)?;

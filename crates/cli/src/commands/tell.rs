@@ -11,8 +11,8 @@ use crate::screen;
 /// Shows a scene's model, its assumptions and its expected figures.
 pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
-    let found = explained::explain(&gearbox);
-    screen::show_or_json(&found, || pages::explain::text(&found))?;
+    let explained = explained::explain(&gearbox);
+    screen::show_or_json(&explained, || pages::explain::text(&explained))?;
     let engine = choice::find("native", &gearbox.scene)?;
     let of = "the native time series of this scene";
     idle::name(&args.scene, &gearbox, of, |settings, control| {

@@ -14,8 +14,8 @@ impl Kept {
 
 /// Returns a saved state of this unit.
 fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
-    let found = STATES.find(state);
-    let own = found.filter(|kept| kept.of == component.addr());
+    let entry = STATES.find(state);
+    let own = entry.filter(|kept| kept.of == component.addr());
     own.ok_or_else(|| Refusal("the state is not one of this unit: null, freed or invalid".into()))
 }
 

@@ -38,7 +38,7 @@ fn the_same_scene_gives_the_same_bytes() {
     let bytes = |sets: &[&str], author: &str| {
         let imprint = Imprint {
             author: author.to_owned(),
-            made: SystemTime::UNIX_EPOCH,
+            date: SystemTime::UNIX_EPOCH,
         };
         let package = Package::new(&gearbox("paper", sets), &stand_in(), imprint).expect("package");
         (package.guid().to_owned(), package.bytes().expect("bytes"))

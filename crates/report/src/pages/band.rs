@@ -42,7 +42,7 @@ pub(crate) fn about(bands: &Bands) -> String {
     )
 }
 
-/// Returns a sentence on the balances of the intervals by fit.
+/// Returns a sentence on the varied sizes and the number of gears behind the intervals by fit.
 fn tried(fits: &Fits) -> String {
     format!(
         "{} toleranced sizes (`[uncertain]`), each alone at both ends and all together where that moves lost motion, stiffness or a force most: \
@@ -54,7 +54,7 @@ fn tried(fits: &Fits) -> String {
 
 /// Returns sentences on the size with the largest effect, for lost motion and for stiffness.
 fn tighten(fits: &Fits) -> Vec<String> {
-    let said = |def: &&FigureDef| {
+    let sentence = |def: &&FigureDef| {
         let first = fits.first(def)?;
         let [least, largest] = first.values(def)?.map(|value| significant(value, 3));
         let FigureDef { label, unit, .. } = def;
@@ -64,7 +64,7 @@ fn tighten(fits: &Fits) -> Vec<String> {
         ))
     };
     let figures = [&defs::LOST_MOTION, &defs::STIFFNESS];
-    figures.iter().filter_map(said).collect()
+    figures.iter().filter_map(sentence).collect()
 }
 
 /// Returns the effect of fits on the largest external force: of toleranced sizes, or of profile cuts.
@@ -91,17 +91,17 @@ pub(crate) const OUTSIDE: &str = "law";
 /// Returns rows for a terminal.
 pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
     let mut rows = vec![("by contact law", about(bands))];
-    rows.extend(outside(bands).map(|said| (OUTSIDE, said)));
+    rows.extend(outside(bands).map(|text| (OUTSIDE, text)));
     let Some(fits) = &bands.tolerances else {
-        rows.extend(fit(bands).map(|said| ("fit", said)));
+        rows.extend(fit(bands).map(|text| ("fit", text)));
         return rows;
     };
     rows.push(("by fit", tried(fits)));
     let first = tighten(fits).into_iter();
-    rows.extend(first.map(|said| ("tighten this first", said)));
+    rows.extend(first.map(|text| ("tighten this first", text)));
     let refused = fits.refused.iter();
-    let refused = refused.map(|said| format!("cannot be assembled or balanced: {said}"));
-    rows.extend(refused.map(|said| ("no gear", said)));
+    let refused = refused.map(|text| format!("cannot be assembled or balanced: {text}"));
+    rows.extend(refused.map(|text| ("no gear", text)));
     rows
 }
 
@@ -122,10 +122,10 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
             fitted.map_or_else(String::new, |(_, value)| significant(value, 3))
         });
     }
-    let said = outside(bands).map(Block::Text);
+    let text = outside(bands).map(Block::Text);
     let table = bands.declined.is_none().then(|| table.done().into());
     let tables = table.into_iter().chain(fits);
-    said.into_iter().chain(tables).collect()
+    text.into_iter().chain(tables).collect()
 }
 
 /// Returns a table of the effect of each toleranced size alone.

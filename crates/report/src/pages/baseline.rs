@@ -16,7 +16,7 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 
 /// Returns the page of a check against the baseline `name`.
-pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
+pub fn page(name: &str, baseline: &Baseline, check: &Check, origin: &Provenance) -> String {
     let moved = moved(check);
     // Worse entries are unfolded, passed ones folded.
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
@@ -49,7 +49,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
             headline: headline(check.verdict).to_owned(),
             detail: joined("; ", sentences(name, check)),
         }),
-        decision: decision(name, check, made),
+        decision: decision(name, check, origin),
         sections: vec![
             Section::new("moved", "What moved")
                 .with(Block::List(stages(check).collect()))
@@ -65,7 +65,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
         ],
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns the text for a terminal, without the path of the page: a line for each solver, and the changed cases.
@@ -180,7 +180,7 @@ fn headline(verdict: Verdict) -> &'static str {
     }
 }
 
-fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
+fn decision(name: &str, check: &Check, origin: &Provenance) -> Decision {
     let most = |size: fn(&QuantityCheck) -> f64| {
         let all = quantities(check);
         let (case, of) = all.max_by(|(_, a), (_, b)| size(a).total_cmp(&size(b)))?;
@@ -194,7 +194,7 @@ fn decision(name: &str, check: &Check, made: &Provenance) -> Decision {
         let why = format!("larger changes are seen: of {at}");
         Question::Sure.answered(Mark::None, format!("to {off}"), why)
     });
-    let words = crate::pages::words(made);
+    let words = crate::pages::words(origin);
     let with = |names: &[&str]| crate::pages::options(&words, names);
     let next = match check.verdict {
         Verdict::Same => {

@@ -58,14 +58,14 @@ mod tests {
         let own: Vec<String> = (0..40).map(|k| format!("solver-{k}")).collect();
         let mut names: Vec<&str> = known().map(|info| info.name).collect();
         names.extend(own.iter().take(COUNT - names.len()).map(String::as_str));
-        let mut found = styles(&names);
-        found.sort_unstable();
-        assert_eq!(found, (0..COUNT).collect::<Vec<_>>());
+        let mut assigned = styles(&names);
+        assigned.sort_unstable();
+        assert_eq!(assigned, (0..COUNT).collect::<Vec<_>>());
         let names: Vec<&str> = own.iter().map(String::as_str).collect();
-        let mut found = styles(&names[..COUNT]);
-        found.sort_unstable();
-        found.dedup();
-        assert_eq!(found.len(), COUNT);
+        let mut assigned = styles(&names[..COUNT]);
+        assigned.sort_unstable();
+        assigned.dedup();
+        assert_eq!(assigned.len(), COUNT);
         assert!(styles(&names)[COUNT..].iter().all(|s| *s >= COUNT));
     }
 }

@@ -17,18 +17,18 @@ fn shown(state: State) -> (&'static str, Mark) {
     }
 }
 
-fn headline(found: &Outcome) -> String {
+fn headline(outcome: &Outcome) -> String {
     let [passed, failed, skipped] =
-        [State::Passed, State::Failed, State::Skipped].map(|state| found.count(state));
-    match found.passed() {
+        [State::Passed, State::Failed, State::Skipped].map(|state| outcome.count(state));
+    match outcome.passed() {
         true => format!("{passed} trials passed, {skipped} skipped"),
         false => format!("{failed} trials FAILED, {passed} passed, {skipped} skipped"),
     }
 }
 
 /// Returns every trial; on a terminal requirements appear only for failed ones.
-fn table(found: &Outcome, terminal: bool) -> Table {
-    let table = Table::of("Trials of the solver", &found.findings)
+fn table(outcome: &Outcome, terminal: bool) -> Table {
+    let table = Table::of("Trials of the solver", &outcome.findings)
         .text("", "trial", |finding| finding.name)
         .text("", "result", |finding| shown(finding.state).0)
         .marked(|finding| shown(finding.state).1);
@@ -46,36 +46,36 @@ fn table(found: &Outcome, terminal: bool) -> Table {
 }
 
 /// Returns the table for a terminal.
-pub fn text(found: &Outcome) -> String {
-    let style = if found.passed() { GOOD } else { BAD };
-    let title = format!("{} {}, {}", found.solver, found.version, found.track);
+pub fn text(outcome: &Outcome) -> String {
+    let style = if outcome.passed() { GOOD } else { BAD };
+    let title = format!("{} {}, {}", outcome.solver, outcome.version, outcome.track);
     let parts = [
-        styled(style, &terminal::paragraph(&found.answer)),
+        styled(style, &terminal::paragraph(&outcome.answer)),
         styled(TITLE, &title),
-        terminal::table(&table(found, true)),
-        styled(style, &headline(found)),
+        terminal::table(&table(outcome, true)),
+        styled(style, &headline(outcome)),
     ];
     parts.join("\n")
 }
 
 /// Returns the page.
-pub fn page(found: &Outcome, made: &Provenance) -> String {
-    let stages = found.stages.iter();
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
+    let stages = outcome.stages.iter();
     let stages = stages.map(|located| Section::new("stages", "Stages").with(blocks(located)));
-    let trials = Section::new("trials", "Trials").with(table(found, false));
+    let trials = Section::new("trials", "Trials").with(table(outcome, false));
     let study = Study {
-        title: found.solver.clone(),
+        title: outcome.solver.clone(),
         eyebrow: "Conformance of a solver".to_owned(),
         lead: "What every engine must survive before comparisons can rely on it, tried on short runs of the preset \
                `paper`."
             .to_owned(),
         verdict: Some(Verdict {
-            tone: Tone::of(found.passed()),
-            headline: found.answer.clone(),
-            detail: format!("{}; {}, {}", headline(found), found.version, found.track.as_str()),
+            tone: Tone::of(outcome.passed()),
+            headline: outcome.answer.clone(),
+            detail: format!("{}; {}, {}", headline(outcome), outcome.version, outcome.track.as_str()),
         }),
         sections: stages.chain([trials]).collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }

@@ -22,7 +22,7 @@ pub use limits::answer;
 pub(crate) use limits::{both_bear, tile as bears};
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
-use crate::pages::{DOUBT, animation, band, doubts};
+use crate::pages::{DOUBT, animation, band, doubts, next, render, sure};
 use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
@@ -40,16 +40,16 @@ pub(crate) fn is_headline(def: &FigureDef) -> bool {
 }
 
 /// Returns name and sentence of the parts whose compliance lost motion and stiffness include.
-fn given_way(found: &DesignResult) -> (&'static str, String) {
-    match found.budget.split_last() {
+fn given_way(design: &DesignResult) -> (&'static str, String) {
+    match design.budget.split_last() {
         None => (CONTACTS, CONTACTS_ONLY.to_owned()),
         Some((last, before)) => {
             let before = joined(", ", before.iter().map(|share| share.part));
             let names = joined(" and ", [&before, last.part]);
-            let said = format!(
+            let text = format!(
                 "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
             );
-            ("what gives way", said)
+            ("what gives way", text)
         }
     }
 }
@@ -60,33 +60,33 @@ const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts
                              gears are softer by factors.";
 
 /// Returns the page.
-pub fn page(found: &DesignResult, made: &Provenance) -> String {
-    let scene = &found.scene;
+pub fn page(design: &DesignResult, origin: &Provenance) -> String {
+    let scene = &design.scene;
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
-    let all = table(caption, &found.figures, |one| how(found, one));
+    let all = table(caption, &design.figures, |one| how(design, one));
     let mut first = Section::new("figures", "Figures").with(all);
-    if !found.shares().is_empty() {
+    if !design.shares().is_empty() {
         let caption = "Compliance: what gives way under the rated load";
-        first = first.with(Block::Html(stack(caption, &found.shares())));
+        first = first.with(Block::Html(stack(caption, &design.shares())));
     }
-    if !found.budget.is_empty() {
-        first = first.with(budget(found));
+    if !design.budget.is_empty() {
+        first = first.with(budget(design));
     }
-    first = first.with(Vec::from_iter(found.bands.iter().flat_map(band::blocks)));
+    first = first.with(Vec::from_iter(design.bands.iter().flat_map(band::blocks)));
     let mut sections = vec![
         first,
-        limits::section(&found.limits),
-        torsion(found),
-        transmission(found),
-        sharing(found),
-        bearings(found),
+        limits::section(&design.limits),
+        torsion(design),
+        transmission(design),
+        sharing(design),
+        bearings(design),
     ];
-    if !found.efficiency.is_empty() {
-        sections.push(efficiency(found));
+    if !design.efficiency.is_empty() {
+        sections.push(efficiency(design));
     }
-    sections.extend(found.joint.as_ref().map(joint));
-    sections.push(dimensions(found));
+    sections.extend(design.joint.as_ref().map(joint));
+    sections.push(dimensions(design));
     let study = Study {
         title: scene.name.clone(),
         eyebrow: "Pinwheel design".to_owned(),
@@ -94,42 +94,42 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
             "{} A gear of ratio {} under its rated {} N m. Statics unless said otherwise: contacts in balance, exact geometry, \
              the law `{}`.",
             sentence(&scene.description),
-            found.dimensions.ratio,
-            format::plain(found.rated_torque_n_m),
+            design.dimensions.ratio,
+            format::plain(design.rated_torque_n_m),
             scene.contact.law
         ),
-        tiles_title: format!("At {} N m", format::plain(found.rated_torque_n_m)),
-        decision: decision(found, made),
-        tiles: headlines(found).map(figure::tile).collect(),
+        tiles_title: format!("At {} N m", format::plain(design.rated_torque_n_m)),
+        decision: decision(design, origin),
+        tiles: headlines(design).map(figure::tile).collect(),
         below: vec![
             Block::heading("May I use them?"),
             Block::Facts(
-                unsure(found)
+                unsure(design)
                     .into_iter()
-                    .chain(notes(found))
+                    .chain(notes(design))
                     .map(fact)
                     .collect(),
             ),
-            Block::Html(files(found)),
+            Block::Html(files(design)),
         ],
-        aside: animation::aside(found.motion.as_ref()),
+        aside: animation::aside(design.motion.as_ref()),
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    render(study, origin)
 }
 
 /// Figures of the first screen.
-fn headlines(found: &DesignResult) -> impl Iterator<Item = &Figure> {
-    let figures = found.figures.iter();
+fn headlines(design: &DesignResult) -> impl Iterator<Item = &Figure> {
+    let figures = design.figures.iter();
     figures.filter(|one| is_headline(&one.def))
 }
 
-fn decision(found: &DesignResult, made: &Provenance) -> Decision {
-    let cycle = found.cycle.as_ref();
+fn decision(design: &DesignResult, origin: &Provenance) -> Decision {
+    let cycle = design.cycle.as_ref();
     let run = cycle.and_then(|cycle| cycle.lost_motion_arcmin);
-    let both = found.torsion.lost_motion_at_0_arcmin.zip(run);
-    let right = |said, why| Question::Right.answered(Mark::Warn, said, why);
+    let both = design.torsion.lost_motion_at_0_arcmin.zip(run);
+    let right = |answer, why| Question::Right.answered(Mark::Warn, answer, why);
     let right = match both.filter(|(statics, _)| *statics != 0.0) {
         Some((statics, run)) => {
             let off = format::relative((run / statics - 1.0).abs());
@@ -138,47 +138,48 @@ fn decision(found: &DesignResult, made: &Provenance) -> Decision {
         }
         None => right("one way".to_owned(), "statics alone; no other program"),
     };
-    let sure = crate::pages::sure(headlines(found));
-    let next = crate::pages::next(made, "compare", "whether other engines confirm the forces");
-    [Some(right), Some(bears(&found.limits)), sure, Some(next)]
+    let sure = sure(headlines(design));
+    let open = "whether other engines confirm the forces";
+    let next = next(origin, "compare", open);
+    [Some(right), Some(bears(&design.limits)), sure, Some(next)]
 }
 
 /// Links to the files that stand beside the page.
-fn files(found: &DesignResult) -> String {
+fn files(design: &DesignResult) -> String {
     let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
-    let discs = found.discs.iter();
+    let discs = design.discs.iter();
     let discs = discs.map(|disc| link(&format!("disc_{}.dxf", disc.number())));
-    let joint = found.joint.iter().map(|_| link("joint.urdf"));
+    let joint = design.joint.iter().map(|_| link("joint.urdf"));
     let links = joined(", ", discs.chain(joint));
     format!("<p class=\"about\">Drawings beside this page: {links}</p>")
 }
 
 /// Returns notes on the use of the figures.
-fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
-    let mut notes = vec![given_way(found)];
-    let rest = found.rest.as_ref();
+fn notes(design: &DesignResult) -> Vec<(&'static str, String)> {
+    let mut notes = vec![given_way(design)];
+    let rest = design.rest.as_ref();
     notes.extend(rest.map(|rest| ("stated stiffness", fitted(rest))));
-    let parts = found.budget.iter();
+    let parts = design.budget.iter();
     let most = parts.max_by(|a, b| a.share.total_cmp(&b.share));
     notes.extend(most.map(|most| {
         let share = significant(100.0 * most.share, 2);
-        let said = format!("{}: {share} % of the compliance", most.part);
-        ("stiffen this first", said)
+        let text = format!("{}: {share} % of the compliance", most.part);
+        ("stiffen this first", text)
     }));
-    notes.extend(found.bands.iter().flat_map(band::rows));
-    let (scene, drive) = (&found.scene, &found.scene.drive);
+    notes.extend(design.bands.iter().flat_map(band::rows));
+    let (scene, drive) = (&design.scene, &design.scene.drive);
     if drive.output_torque_n_m * drive.input_speed_rad_s * scene.output_per_input() > 0.0 {
-        let said =
+        let text =
             "drives this gear; give drive.output_torque_n_m the other sign for a load that resists";
-        notes.push(("load", said.to_owned()));
+        notes.push(("load", text.to_owned()));
     }
     notes
 }
 
-/// Rows on what is hard to believe, and on limits that were not judged.
-fn unsure(found: &DesignResult) -> Vec<(&'static str, String)> {
-    let mut rows = doubts(&found.scene);
-    rows.extend(limits::unjudged(&found.limits).map(|open| ("not judged", open)));
+/// Returns rows on implausible values of the scene, and on limits that were not judged.
+fn unsure(design: &DesignResult) -> Vec<(&'static str, String)> {
+    let mut rows = doubts(&design.scene);
+    rows.extend(limits::unjudged(&design.limits).map(|open| ("not judged", open)));
     rows
 }
 
@@ -188,36 +189,36 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// Returns the text for a terminal; `whole`: with the definition of each figure.
-pub fn text(found: &DesignResult, whole: bool) -> String {
-    let mut table = table("", &found.figures, |one| how(found, one));
-    let mut rows = vec![(limits::QUESTION, limits::sentence(&found.limits))];
-    rows.extend(unsure(found));
-    if !whole {
+/// Returns the text for a terminal; `verbose`: with the definition of each figure.
+pub fn text(design: &DesignResult, verbose: bool) -> String {
+    let mut table = table("", &design.figures, |one| how(design, one));
+    let mut rows = vec![(limits::QUESTION, limits::sentence(&design.limits))];
+    rows.extend(unsure(design));
+    if !verbose {
         table.columns.pop();
         // Reasons for missing figures are essential.
-        let without = found.figures.iter();
+        let without = design.figures.iter();
         rows.extend(without.filter_map(|one| Some((&*one.def.label, one.withheld.clone()?))));
     }
-    for share in &found.budget {
+    for share in &design.budget {
         rows.push(("budget", budgeted(share)));
     }
-    rows.extend(notes(found));
+    rows.extend(notes(design));
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
     rows.push(("next", next.to_owned()));
-    if !whole {
-        let verbose = "how each figure is, and every limit: --verbose, or the page";
-        rows.push(("counted", verbose.to_owned()));
+    if !verbose {
+        let hint = "how each figure is, and every limit: --verbose, or the page";
+        rows.push(("counted", hint.to_owned()));
     }
-    let limits = &found.limits;
-    let limits = whole.then(|| terminal::table(&limits::table(limits)) + "\n");
+    let limits = &design.limits;
+    let limits = verbose.then(|| terminal::table(&limits::table(limits)) + "\n");
     let table = terminal::table(&table) + "\n";
     let parts = [table, limits.unwrap_or_default(), terminal::pairs(rows)];
-    titled(&found.scene.name, parts)
+    titled(&design.scene.name, parts)
 }
 
-/// Returns the text for a terminal on a scene from catalogue data; `weak`: its limits where it does not bear its load, and how many times
-/// larger a pin circle does.
+/// Returns the text for a terminal on a scene from catalogue data. `weak`: limits of a gear that does not bear its load,
+/// and the factor on the pin circle with which it does.
 pub fn draft(draft: &Draft, weak: Option<(Limits, Option<f64>)>) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);
@@ -241,12 +242,12 @@ pub fn draft(draft: &Draft, weak: Option<(Limits, Option<f64>)>) -> String {
     let how = "external, rigid: 4 T/(e zs zk)";
     rows.push(row("largest pin force", force, how));
     if let Some((limits, times)) = weak {
-        let (said, why) = answer(&limits);
+        let (word, why) = answer(&limits);
         let remedy = times.map_or_else(
             || "give a larger diameter or a smaller torque".to_owned(),
             |times| format!("a diameter {} times as large does", significant(times, 3)),
         );
-        rows.push(row(limits::QUESTION, said, &format!("{why}; {remedy}")));
+        rows.push(row(limits::QUESTION, word, &format!("{why}; {remedy}")));
     }
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);
@@ -263,8 +264,8 @@ fn sentence(text: &str) -> String {
 }
 
 /// Returns the definition of a figure, its spread over the mesh, and the lost motion by statics.
-fn how(found: &DesignResult, one: &Figure) -> String {
-    let statics = found.torsion.lost_motion_at_0_arcmin;
+fn how(design: &DesignResult, one: &Figure) -> String {
+    let statics = design.torsion.lost_motion_at_0_arcmin;
     let statics = statics.filter(|_| one.is(&defs::LOST_MOTION_RUN));
     let statics = statics.map(|lost| format!("{} by statics at that pose", number(lost)));
     joined("; ", [figure::how(one)].into_iter().chain(statics))
@@ -288,11 +289,11 @@ fn joint(joint: &Joint) -> Section {
 /// Returns the chart of twist over torque, by statics and by a run.
 pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
-    for (k, (_, found)) in designs.iter().enumerate() {
-        let torsion = &found.torsion;
+    for (k, (_, design)) in designs.iter().enumerate() {
+        let torsion = &design.torsion;
         let statics = line(&torsion.torque_n_m, &torsion.twist_arcmin).styled(Style::Both);
         series.push(of_design(designs, k, (0, "statics"), statics));
-        let Some(cycle) = &found.cycle else { continue };
+        let Some(cycle) = &design.cycle else { continue };
         let closed = cycle.closed_from.min(cycle.angle_arcmin.len());
         let half = closed + (cycle.angle_arcmin.len() - closed) / 2;
         for (what, range) in [
@@ -307,11 +308,11 @@ pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     chart("Twist of the output, input locked", x, y, series)
 }
 
-fn torsion(found: &DesignResult) -> Section {
+fn torsion(design: &DesignResult) -> Section {
     let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
                     the rated torque, the largest of all poses over the mesh; stiffness the slope between 50 and 100 %."
         .to_owned();
-    if found.cycle.is_some() {
+    if design.cycle.is_some() {
         text.push_str(
             " The run takes the load there and back so slowly that the gear follows; the width of its loop is what friction holds back. \
              Friction is regularised: a contact that hardly slides gives way slowly.",
@@ -319,7 +320,7 @@ fn torsion(found: &DesignResult) -> Section {
     }
     Section::new("torsion", "Lost motion and stiffness")
         .with(text)
-        .with(vec![torsion_chart(&[("", found)])])
+        .with(vec![torsion_chart(&[("", design)])])
 }
 
 /// Names of the loads of transmission errors and their orders.
@@ -329,9 +330,9 @@ const LOADS: [&str; 2] = ["rated load", "no load"];
 /// load.
 pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
     let (mut series, mut spectrum) = (Vec::new(), Vec::new());
-    for (k, (_, found)) in designs.iter().enumerate() {
-        let turn = degrees(&found.input_angle_rad);
-        for (n, (of, load)) in found.transmission.iter().zip(LOADS).enumerate() {
+    for (k, (_, design)) in designs.iter().enumerate() {
+        let turn = degrees(&design.input_angle_rad);
+        for (n, (of, load)) in design.transmission.iter().zip(LOADS).enumerate() {
             let about_mean = of.error_arcmin.iter().map(|error| error - of.mean_arcmin);
             let error = line(&turn, &about_mean.collect::<Vec<_>>());
             series.push(of_design(designs, k, (n, load), error));
@@ -354,8 +355,8 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
     [error, Chart::new("Orders", x, y, spectrum)]
 }
 
-fn transmission(found: &DesignResult) -> Section {
-    let rows = found.transmission.iter().zip(LOADS);
+fn transmission(design: &DesignResult) -> Section {
+    let rows = design.transmission.iter().zip(LOADS);
     let rows = rows.flat_map(|(of, load)| of.harmonics.iter().take(6).map(move |h| (load, h)));
     let orders = Table::of("Largest orders of the transmission error", rows)
         .text("", "Load", |(load, _)| *load)
@@ -368,15 +369,15 @@ fn transmission(found: &DesignResult) -> Section {
             "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
              mesh excites the machine at its order times the input's speed.",
         )
-        .with(Vec::from(transmission_charts(&[("", found)])))
+        .with(Vec::from(transmission_charts(&[("", design)])))
         .with(Block::folded("Largest orders", orders))
 }
 
 /// Returns the table of the compliance budget, by parts.
-fn budget(found: &DesignResult) -> Table {
+fn budget(design: &DesignResult) -> Table {
     let caption = "Compliance budget: what gives way, each part with all before it";
     let (stiffness, lost) = ("Stiffness up to here", "Lost motion up to here");
-    Table::of(caption, &found.budget)
+    Table::of(caption, &design.budget)
         .text("", "Part", |share| share.part)
         .number("", "Share of the compliance", |share| 100.0 * share.share)
         .unit("%")
@@ -407,9 +408,9 @@ fn budgeted(share: &Share) -> String {
     )
 }
 
-fn efficiency(found: &DesignResult) -> Section {
+fn efficiency(design: &DesignResult) -> Section {
     let rpm = |rad_s: f64| rad_s.abs() * 30.0 / PI;
-    let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
+    let efficiency = Table::of("Efficiency over speed and torque", &design.efficiency)
         .figure("Input", "rpm", |run| rpm(run.input_speed_rad_s))
         .figure("Load", "N m", |run| run.output_torque_n_m)
         .number("", "Lost in contacts", |run| {
@@ -431,8 +432,8 @@ fn efficiency(found: &DesignResult) -> Section {
         .with(efficiency)
 }
 
-fn dimensions(found: &DesignResult) -> Section {
-    let lines = found.dimensions.lines(&found.scene);
+fn dimensions(design: &DesignResult) -> Section {
+    let lines = design.dimensions.lines(&design.scene);
     let lengths = lines.iter().filter(|line| line.unit == "m");
     let sizes = Table::of("Sizes, walls and gaps", lengths)
         .text("", "What", |line| line.what)

@@ -28,56 +28,56 @@ const SERIES: [&str; 3] = [
 ];
 
 /// Returns the page.
-pub fn page(found: &DesignDiff, made: &Provenance) -> String {
-    let [a, b] = &found.names;
-    let mut sections = vec![scene(found), figures(found)];
-    sections.extend(found.stages.iter().map(|located| {
+pub fn page(diff: &DesignDiff, origin: &Provenance) -> String {
+    let [a, b] = &diff.names;
+    let mut sections = vec![scene(diff), figures(diff)];
+    sections.extend(diff.stages.iter().map(|located| {
         let about = format!("The model of `{b}` at the states of `{a}`.");
         Section::new("stages", "Stages")
             .with(about)
             .with(stages(located))
     }));
-    sections.extend(over_time(found));
-    sections.push(curves(found));
-    sections.extend(motion(found));
+    sections.extend(over_time(diff));
+    sections.push(curves(diff));
+    sections.extend(motion(diff));
     let study = Study {
         title: format!("{a} and {b}"),
         eyebrow: "Pinwheel, two designs side by side".to_owned(),
         lead: format!(
             "What changed from `{a}` to `{b}`, in the scene, in every figure of a design and over time. Statics and runs as `pinwheel design`; \
              time series by {}, each refined until its uncertainty is known.",
-            found.engine
+            diff.engine
         ),
-        verdict: Some(verdict(found)),
-        decision: decision(found, made),
-        tiles: tiles(found),
+        verdict: Some(verdict(diff)),
+        decision: decision(diff, origin),
+        tiles: tiles(diff),
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns the text for a terminal.
-pub fn text(found: &DesignDiff) -> String {
-    let [a, b] = &found.names;
+pub fn text(diff: &DesignDiff) -> String {
+    let [a, b] = &diff.names;
     let mut text = styled(TITLE, &format!("{a} and {b}")) + "\n";
-    let stated = || found.changed.iter().filter(|change| !change.follows);
+    let stated = || diff.changed.iter().filter(|change| !change.follows);
     if stated().next().is_some() {
-        text.push_str(&terminal::table(&keys(found, "", stated()).done()));
+        text.push_str(&terminal::table(&keys(diff, "", stated()).done()));
     }
-    let followed = found.changed.len() - stated().count();
+    let followed = diff.changed.len() - stated().count();
     if followed > 0 {
         let keys = format::counted(followed, "key that follows", "keys that follow");
         text.push_str(&format!("and {keys} from them\n"));
     }
-    let off = found.stages.as_ref().map_or_else(String::new, Located::off);
+    let off = diff.stages.as_ref().map_or_else(String::new, Located::off);
     if !off.is_empty() {
         text.push_str(&format!("{}\n", paragraph(&format!("stage {off}"))));
     }
-    let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = steady(found).filter(|row| SERIES.contains(&&*row.def.key));
-    let all = derived.chain(&found.figures).chain(means);
-    let figures = both(found, "", all)
+    let derived = diff.derived.iter().filter(|r| r.judged != Judged::Same);
+    let means = steady(diff).filter(|row| SERIES.contains(&&*row.def.key));
+    let all = derived.chain(&diff.figures).chain(means);
+    let figures = both(diff, "", all)
         .said(|row| match row.judged {
             Judged::BelowUncertainty => "not shown".to_owned(),
             _ => change(row),
@@ -86,32 +86,32 @@ pub fn text(found: &DesignDiff) -> String {
             Judged::Differ => Mark::None,
             _ => Mark::Muted,
         });
-    let mut all = found.figures.iter();
+    let mut all = diff.figures.iter();
     let below = all.any(|row| row.judged == Judged::BelowUncertainty);
     let note = "not shown: the difference is below the uncertainty of both together (after \u{b1})";
     let note = paragraph(if below { note } else { "" });
-    let (figures, headline) = (figures.done(), verdict(found).headline);
+    let (figures, headline) = (figures.done(), verdict(diff).headline);
     text = format!("{text}\n{}{note}\n", terminal::table(&figures));
     text + &paragraph(&headline)
 }
 
 /// Returns means and peaks of the first window.
-fn steady(found: &DesignDiff) -> impl Iterator<Item = &Diff> {
-    let first = found.time_series.first();
+fn steady(diff: &DesignDiff) -> impl Iterator<Item = &Diff> {
+    let first = diff.time_series.first();
     first.into_iter().flat_map(|(_, rows)| rows)
 }
 
-fn verdict(found: &DesignDiff) -> Verdict {
-    let all = || found.figures.iter().chain(steady(found));
+fn verdict(diff: &DesignDiff) -> Verdict {
+    let all = || diff.figures.iter().chain(steady(diff));
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
     let (differ, total) = (count(Judged::Differ), all().count());
     let unknown = total - same - below - differ;
     // `torsional stiffness × 43.5`
-    let most = most(found).into_iter();
+    let most = most(diff).into_iter();
     let most = most.map(|row| format!("{} {}", row.def.label, change(row)));
     let headline = match (differ, joined("; ", most).as_str()) {
-        _ if found.identical() => {
+        _ if diff.identical() => {
             "The designs are identical: every key has the same value".to_owned()
         }
         (0, _) => format!(
@@ -121,7 +121,7 @@ fn verdict(found: &DesignDiff) -> Verdict {
         (_, most) => format!("{differ} of {total} figures differ, most: {most}"),
     };
     let [one, many] = ["key of the scene differs", "keys of the scene differ"];
-    let mut detail = format::counted(found.changed.len(), one, many);
+    let mut detail = format::counted(diff.changed.len(), one, many);
     let counts = [
         (same, "the same"),
         (below, "with a difference below the uncertainty"),
@@ -131,21 +131,21 @@ fn verdict(found: &DesignDiff) -> Verdict {
         let figures = format::counted(count, "figure", "figures");
         detail.push_str(&format!(", {figures} {what}"));
     }
-    if let Some((name, reason)) = found.broken() {
+    if let Some((name, reason)) = diff.broken() {
         detail.push_str(&format!(". {name}: {reason}"));
     }
     Verdict {
-        tone: found.broken().map_or(Tone::Neutral, |_| Tone::Bad),
+        tone: diff.broken().map_or(Tone::Neutral, |_| Tone::Bad),
         headline,
         detail: format!("{detail}."),
     }
 }
 
 /// Returns the headline figures that differ, largest change first.
-fn most(found: &DesignDiff) -> Vec<&Diff> {
+fn most(diff: &DesignDiff) -> Vec<&Diff> {
     const MOST: usize = 3;
     let differs = |row: &&Diff| row.judged == Judged::Differ && row.change().is_some();
-    let rows = found.figures.iter().filter(|row| is_headline(&row.def));
+    let rows = diff.figures.iter().filter(|row| is_headline(&row.def));
     let mut rows: Vec<&Diff> = rows.filter(differs).collect();
     // Size of the factor in either direction.
     let size = |share: f64| (1.0 + share).abs().ln().abs();
@@ -165,7 +165,7 @@ fn value(change: &KeyDiff, of: usize) -> String {
     };
     let both = change.values.each_ref().map(short);
     match &change.values[of] {
-        Some(whole) if both[0] == both[1] => whole.to_string(),
+        Some(value) if both[0] == both[1] => value.to_string(),
         _ => both[of].clone(),
     }
 }
@@ -194,8 +194,8 @@ fn shown(row: &Diff, k: usize) -> String {
     cell(&row.figure(k).scaled(factor, unit))
 }
 
-fn tiles(found: &DesignDiff) -> Vec<Tile> {
-    let wanted = found.figures.iter().filter(|row| is_headline(&row.def));
+fn tiles(diff: &DesignDiff) -> Vec<Tile> {
+    let wanted = diff.figures.iter().filter(|row| is_headline(&row.def));
     let tile = |row: &Diff| {
         let shown = |value: Option<f64>| value.map_or(NONE.to_owned(), number);
         let [a, b] = row.values.map(shown);
@@ -210,18 +210,18 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     wanted.map(tile).collect()
 }
 
-fn decision(found: &DesignDiff, made: &Provenance) -> Decision {
-    let why = format!("both by {}; no other program", found.engine);
+fn decision(diff: &DesignDiff, origin: &Provenance) -> Decision {
+    let why = format!("both by {}; no other program", diff.engine);
     let right = Question::Right.answered(Mark::Warn, "not compared", why);
-    let bears = design::both_bear(found.designs.each_ref().map(|one| &one.limits));
-    let heads = found.figures.iter().filter(|row| is_headline(&row.def));
+    let bears = design::both_bear(diff.designs.each_ref().map(|one| &one.limits));
+    let heads = diff.figures.iter().filter(|row| is_headline(&row.def));
     let all = heads.clone().count();
     let shown = heads.filter(|row| row.judged == Judged::Differ).count();
     let why =
         "larger than the numerical uncertainty; contact law and fits act on both and are left out";
     let sure = Question::Sure.answered(Mark::None, format!("{shown} of {all} changes shown"), why);
-    let why = format!("whether other engines confirm {}", found.names[1]);
-    let next = crate::pages::next(made, "compare", &why);
+    let why = format!("whether other engines confirm {}", diff.names[1]);
+    let next = crate::pages::next(origin, "compare", &why);
     [Some(right), Some(bears), Some(sure), Some(next)]
 }
 
@@ -238,13 +238,13 @@ fn judged(row: &Diff) -> (&'static str, Mark) {
 
 /// Returns a table of figures of both designs and their change.
 fn both<'a>(
-    found: &DesignDiff,
+    diff: &DesignDiff,
     caption: &str,
     rows: impl Iterator<Item = &'a Diff>,
 ) -> TableOf<&'a Diff> {
     let label = |row: &Diff| named(&row.def.label, &scaled(row).0);
     let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
-    for (k, name) in found.names.iter().enumerate() {
+    for (k, name) in diff.names.iter().enumerate() {
         table = table
             .number("", name, |row| row.values[k])
             .said(|row| shown(row, k));
@@ -255,8 +255,8 @@ fn both<'a>(
 }
 
 /// Returns a table of figures of both designs, their change and its verdict.
-fn table<'a>(found: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a Diff>) -> Block {
-    let table = both(found, caption, rows)
+fn table<'a>(diff: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a Diff>) -> Block {
+    let table = both(diff, caption, rows)
         .text("", "Judged", |row| judged(row).0)
         .marked(|row| judged(row).1);
     table.into()
@@ -264,11 +264,11 @@ fn table<'a>(found: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a D
 
 /// Returns a table of keys with the values of both scenes.
 fn keys<'a>(
-    found: &DesignDiff,
+    diff: &DesignDiff,
     caption: &str,
     changes: impl Iterator<Item = &'a KeyDiff>,
 ) -> TableOf<&'a KeyDiff> {
-    let [a, b] = &found.names;
+    let [a, b] = &diff.names;
     Table::of(caption, changes)
         .text("", "Key", |change| format!("`{}`", change.key))
         .text("", a, |change| value(change, 0))
@@ -276,10 +276,10 @@ fn keys<'a>(
         .text("", "Stage", |change| change.stage.map_or("", Stage::name))
 }
 
-fn scene(found: &DesignDiff) -> Section {
+fn scene(diff: &DesignDiff) -> Section {
     let keys = |caption: &str, follows: bool| {
-        let of = found.changed.iter().filter(|c| c.follows == follows);
-        let table = keys(found, caption, of)
+        let of = diff.changed.iter().filter(|c| c.follows == follows);
+        let table = keys(diff, caption, of)
             .text("", "What it is", |change| {
                 key(&change.key).map_or("", |key| key.about)
             })
@@ -287,20 +287,20 @@ fn scene(found: &DesignDiff) -> Section {
         (!table.is_empty()).then_some(Block::Table(table))
     };
     let stated = keys("Keys that differ", false);
-    let many = found.changed.iter().filter(|c| !c.follows).count();
+    let many = diff.changed.iter().filter(|c| !c.follows).count();
     let mut blocks: Vec<Block> = match stated {
         Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), table)],
         other => other.into_iter().collect(),
     };
-    if found.identical() {
+    if diff.identical() {
         let same = "Every key of both scenes has the same value, but for name and description.";
         blocks.push(same.into());
     }
-    let derived = found.derived.iter();
+    let derived = diff.derived.iter();
     let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
     if differing.peek().is_some() {
         let caption = "What follows from the dimensions and the load";
-        blocks.push(table(found, caption, differing));
+        blocks.push(table(diff, caption, differing));
     }
     let followed = keys("Keys that both scenes leave to a formula", true);
     let title = "Keys that differ because others do";
@@ -308,21 +308,21 @@ fn scene(found: &DesignDiff) -> Section {
     Section::new("scene", "What changed").with(blocks)
 }
 
-fn figures(found: &DesignDiff) -> Section {
+fn figures(diff: &DesignDiff) -> Section {
     Section::new("figures", "Figures")
         .with(
             "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
              both together was not shown.",
         )
-        .with(table(found, "Figures of both designs", found.figures.iter()))
+        .with(table(diff, "Figures of both designs", diff.figures.iter()))
 }
 
-fn over_time(found: &DesignDiff) -> Option<Section> {
-    let time_series = time_series::block(&found.comparison, &found.participants, true)?;
-    let windows = found.time_series.iter();
+fn over_time(diff: &DesignDiff) -> Option<Section> {
+    let time_series = time_series::block(&diff.comparison, &diff.participants, true)?;
+    let windows = diff.time_series.iter();
     let mut tables = windows.map(|(window, rows)| {
         let caption = format!("Means and peaks, {} window", window.word());
-        table(found, &caption, rows.iter())
+        table(diff, &caption, rows.iter())
     });
     let first = Vec::from_iter(tables.next());
     let rest: Vec<Block> = tables.collect();
@@ -335,8 +335,8 @@ fn over_time(found: &DesignDiff) -> Option<Section> {
     })
 }
 
-fn curves(found: &DesignDiff) -> Section {
-    let designs = [0, 1].map(|k| (found.names[k].as_str(), &found.designs[k]));
+fn curves(diff: &DesignDiff) -> Section {
+    let designs = [0, 1].map(|k| (diff.names[k].as_str(), &diff.designs[k]));
     let mut charts = vec![design::torsion_chart(&designs)];
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));
@@ -345,7 +345,7 @@ fn curves(found: &DesignDiff) -> Section {
 }
 
 /// Returns the section with both designs in motion over their common time.
-fn motion(found: &DesignDiff) -> Option<Section> {
-    let motion = animation::beside(&found.motion)?;
+fn motion(diff: &DesignDiff) -> Option<Section> {
+    let motion = animation::beside(&diff.motion)?;
     Some(Section::new("motion", "Motion").with(motion))
 }

@@ -6,7 +6,8 @@ use pinwheel_engines::{family, lacking, remedies};
 use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// The engines by track, which of them run here and now, what the others need, and what tracks mean.
+/// Returns the engines by track: those that run on this machine, the requirements of the others, and the meaning of each
+/// track.
 pub fn text(listed: &[Listed]) -> String {
     let mut needs = remedies();
     let mut rows = Vec::new();

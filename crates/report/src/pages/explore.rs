@@ -92,22 +92,22 @@ pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> V
     json!({"figures": rows, "why": why})
 }
 
-/// The sample of a state's tolerances, as the page's script reads it: a share and its ends.
+/// Returns the yield of a sample within the tolerances for the page's script: share and confidence limits, %.
 #[must_use]
-pub fn sample(found: Option<[f64; 3]>) -> Value {
-    let row = found.map(|found| {
-        let [share, low, high] = found.map(|share| 100.0 * share);
+pub fn sample(estimate: Option<[f64; 3]>) -> Value {
+    let row = estimate.map(|estimate| {
+        let [share, low, high] = estimate.map(|share| 100.0 * share);
         let how = format!("of {GEARS} gears within [uncertain], those within limits; {low:.0} to {high:.0} % with 95 % confidence");
         json!(["yield", share, "%", format!("{share:.0}"), how, 0.5 * (high - low)])
     });
     json!({"figures": row.into_iter().collect::<Vec<_>>()})
 }
 
-/// The page of a scene, with its motion as both states.
+/// Returns the live page of a scene; both states begin with the motion of the scene.
 ///
 /// # Errors
 /// No motion to draw, as text.
-pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result<String, String> {
+pub fn page(scene: &Scene, motion: Option<&Motion>, origin: &Provenance) -> Result<String, String> {
     let (view, rest) = moved(motion)?;
     let views = [view.clone().titled("A"), view.titled("B")];
     let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
@@ -139,5 +139,5 @@ pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result
         ],
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    Ok(crate::pages::render(study, origin))
 }

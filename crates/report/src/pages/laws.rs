@@ -47,8 +47,8 @@ fn in_words(law: &LawInfo) -> String {
         ("energy", potential),
         ("keys", &keys),
     ];
-    let facts = facts.into_iter().filter(|(_, said)| !said.is_empty());
-    let facts = pairs(facts.map(|(what, said)| (format!("  {what}"), said)));
+    let facts = facts.into_iter().filter(|(_, text)| !text.is_empty());
+    let facts = pairs(facts.map(|(what, text)| (format!("  {what}"), text)));
     let name = paragraph(&format!("{}: {}", law.name, law.summary));
     let name = name.replacen(law.name, &styled(TITLE, law.name), 1);
     format!("{name}\n{facts}")

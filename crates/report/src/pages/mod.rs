@@ -1,12 +1,12 @@
-//! Results of studies for readers: `page` gives a self-contained HTML page, `text` the text for a terminal.
+//! Results of studies for readers: `page` returns a self-contained HTML page, `text` the text for a terminal.
 //!
 //! ```text
 //!  comparison::Outcome ─> comparison::page   a sweep's, a bench's, a baseline's, ... likewise
 //!                      └> comparison::text
 //! ```
 //!
-//! Pages and texts of each study, as functions of its result. They read, write and print nothing, and compute nothing
-//! except for the answers of [`explore`]. Text contains escape sequences for styles ([`crate::terminal`]).
+//! Pages and texts of each study are functions of its result, without input or output. Only the answers of [`explore`]
+//! compute anything. Text contains escape sequences for styles ([`crate::terminal`]).
 //!
 //! ```
 //! use pinwheel_report::terminal::plain;
@@ -43,20 +43,20 @@ use pinwheel_studies::Provenance;
 use pinwheel_timeseries::figure::Figure;
 
 /// Renders a page with its origin: the command, versions beside those of the study, the machine.
-fn render(mut study: Study, made: &Provenance) -> String {
-    study.command.clone_from(&made.command);
-    for own in std::mem::replace(&mut study.versions, made.versions()) {
+fn render(mut study: Study, origin: &Provenance) -> String {
+    study.command.clone_from(&origin.command);
+    for own in std::mem::replace(&mut study.versions, origin.versions()) {
         if !study.versions.contains(&own) {
             study.versions.push(own);
         }
     }
-    study.machine = made.machine.rows();
+    study.machine = origin.machine.rows();
     study::render(&study)
 }
 
-/// Tile of the next step: the command `verb` for the last scene of the command that made a page, with its overrides.
-fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
-    let words = words(made);
+/// Returns the tile of the next step: the command `verb` for the last scene of the page's command, with its overrides.
+fn next(origin: &Provenance, verb: &str, why: &str) -> Tile {
+    let words = words(origin);
     let scenes = words
         .iter()
         .skip(2)
@@ -66,17 +66,17 @@ fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
     Tile::next(&format!("pinwheel {verb} {scene}{sets}"), why)
 }
 
-/// Splits the command that made a page into its words.
-fn words(made: &Provenance) -> Vec<&str> {
+/// Splits the command of a page into words.
+fn words(origin: &Provenance) -> Vec<&str> {
     let mut is_quoted = false;
-    let words = made.command.split(|c| {
+    let words = origin.command.split(|c| {
         is_quoted ^= c == '\'';
         c == ' ' && !is_quoted
     });
     words.collect()
 }
 
-/// Returns the options of a command that have these names, with their values. How it was computed is no part of a question.
+/// Returns the options of a command that have these names, with their values; solver settings are left out.
 fn options(words: &[&str], names: &[&str]) -> String {
     let asked = |pair: &&[&str]| names.contains(&pair[0]) && !pair[1].starts_with("solver.");
     let pairs = words.windows(2).filter(asked);
@@ -105,8 +105,8 @@ fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
     } else {
         ""
     };
-    let said = format!("{alone}to {}", format::relative(width));
-    Some(Question::Sure.answered(mark, said, why))
+    let answer = format!("{alone}to {}", format::relative(width));
+    Some(Question::Sure.answered(mark, answer, why))
 }
 
 /// Name and description of a scene.
@@ -124,6 +124,6 @@ const DOUBT: &str = "doubt";
 /// Returns rows on doubtful values of a scene.
 fn doubts(scene: &CheckedScene) -> Vec<(&'static str, String)> {
     let doubts = pinwheel_scene::doubts(scene).into_iter();
-    let said = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));
-    doubts.map(said).collect()
+    let row = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));
+    doubts.map(row).collect()
 }

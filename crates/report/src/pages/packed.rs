@@ -252,9 +252,9 @@ pub(crate) mod tests {
             .map(|k| (-0.005 * f64::from(k)).exp() * (0.7 * f64::from(k)).sin())
             .collect();
         let (read, _) = back(&decay, Rounding::OfBlock(6));
-        for (block, whole) in read.chunks(BLOCK).zip(decay.chunks(BLOCK)) {
-            let rms = (whole.iter().map(|v| v * v).sum::<f64>() / whole.len() as f64).sqrt();
-            for (a, b) in block.iter().zip(whole) {
+        for (block, exact) in read.chunks(BLOCK).zip(decay.chunks(BLOCK)) {
+            let rms = (exact.iter().map(|v| v * v).sum::<f64>() / exact.len() as f64).sqrt();
+            for (a, b) in block.iter().zip(exact) {
                 assert!((a - b).abs() <= rms / 128.0, "{a} {b} {rms}");
             }
         }

@@ -12,10 +12,10 @@ use crate::pages::animation;
 use crate::terminal::{self, titled};
 
 /// Returns the page.
-pub fn page(found: &PaperResult, made: &Provenance) -> String {
+pub fn page(result: &PaperResult, origin: &Provenance) -> String {
     // All rows of the two tables below.
-    let figures = found.figures.iter().map(|figure| figure.verdict);
-    let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
+    let figures = result.figures.iter().map(|figure| figure.verdict);
+    let verdicts = figures.chain(result.claims.iter().map(|judged| judged.verdict));
     let all = verdicts.clone().count();
     let count = |wanted| {
         verdicts
@@ -30,16 +30,16 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         ClaimVerdict::Meaningless,
     ]
     .map(count);
-    let failed = found.claims.iter();
+    let failed = result.claims.iter();
     let failed = failed.filter(|of| of.verdict == ClaimVerdict::DoesNotHold);
     let failed = joined("; ", failed.map(|of| of.claim.claim.as_str()));
-    let mut sections = vec![overview(found)];
-    if !found.claims.is_empty() {
-        sections.push(claims(found));
+    let mut sections = vec![overview(result)];
+    if !result.claims.is_empty() {
+        sections.push(claims(result));
     }
-    sections.extend(motion(found));
-    sections.extend(found.figures.iter().map(section));
-    sections.push(costs(found));
+    sections.extend(motion(result));
+    sections.extend(result.figures.iter().map(section));
+    sections.push(costs(result));
     let study = Study {
         title: "The paper, computed again".into(),
         eyebrow: "Figures and claims of Król's multibody model of a cycloidal gearbox".into(),
@@ -59,20 +59,20 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
             headline: format!("{holds} of {all} figures and claims hold when computed again"),
             detail: format!(
                 "{sometimes} hold under a condition, {not} do not, {meaningless} cannot be computed; by {} runs.",
-                found.runs
+                result.runs
             ),
         }),
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns the verdicts for a terminal, without the path of the page.
-pub fn text(found: &PaperResult) -> String {
-    let figures = found.figures.iter();
+pub fn text(result: &PaperResult) -> String {
+    let figures = result.figures.iter();
     let figures = figures.map(|figure| (figure.name.as_str(), figure.verdict, &figure.title));
-    let claims = found.claims.iter();
+    let claims = result.claims.iter();
     let claims = claims.map(|judged| ("claim", judged.verdict, &judged.claim.claim));
     let list = Table::of("", figures.chain(claims))
         .text("", "Figure", |row| row.0)
@@ -80,21 +80,21 @@ pub fn text(found: &PaperResult) -> String {
         .marked(|row| mark(row.1))
         .text("", "What", |row| row.2);
     let table = terminal::table(&list.done());
-    let cost = format!("\n{} runs in {:.0} s", found.runs, found.wall_s);
+    let cost = format!("\n{} runs in {:.0} s", result.runs, result.wall_s);
     titled("the paper, computed again", [table, cost])
 }
 
 /// Returns the motion of the gearbox without and with backlash, over the input turn of most figures.
-fn motion(found: &PaperResult) -> Option<Section> {
+fn motion(result: &PaperResult) -> Option<Section> {
     let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
                  the same load, each with a higher force.";
-    let motion = animation::beside(&found.motion)?;
+    let motion = animation::beside(&result.motion)?;
     Some(Section::new("motion", "Motion").with(about).with(motion))
 }
 
-fn overview(found: &PaperResult) -> Section {
+fn overview(result: &PaperResult) -> Section {
     let caption = "What the paper's figures say, and what ours show";
-    let table = Table::of(caption, &found.figures)
+    let table = Table::of(caption, &result.figures)
         .text("", "Figure", |figure| &figure.name)
         .text("", "The paper says", |figure| &figure.says)
         .text("", "Our runs show", |figure| &figure.found)
@@ -141,15 +141,15 @@ fn chart(plot: &Plot) -> Chart {
     }
 }
 
-fn claims(found: &PaperResult) -> Section {
+fn claims(result: &PaperResult) -> Section {
     let caption = "What the paper says in words, each judged by the numbers of a figure";
-    let judged = Table::of(caption, &found.claims)
+    let judged = Table::of(caption, &result.claims)
         .text("", "Claim", |judged| &judged.claim.claim)
         .text("", "Verdict", |judged| judged.verdict.words())
         .marked(|judged| mark(judged.verdict))
         .text("", "Our figure", |judged| &judged.figure);
     let caption = "Why, by which computation, and where in the paper";
-    let reasons = Table::of(caption, &found.claims)
+    let reasons = Table::of(caption, &result.claims)
         .text("", "Claim", |judged| &judged.claim.claim)
         .text("", "Why", |judged| &judged.claim.remark)
         .text("", "Judged by", |judged| &judged.claim.judged_by)
@@ -159,13 +159,13 @@ fn claims(found: &PaperResult) -> Section {
         .with(Block::folded(caption, reasons))
 }
 
-fn costs(found: &PaperResult) -> Section {
-    let whole = Cost {
-        what: format!("this whole study, {} runs", found.runs),
+fn costs(result: &PaperResult) -> Section {
+    let study = Cost {
+        what: format!("this whole study, {} runs", result.runs),
         paper_s: None,
-        ours_s: found.wall_s,
+        ours_s: result.wall_s,
     };
-    let table = Table::of("Cost of a run", found.costs.iter().chain([&whole]))
+    let table = Table::of("Cost of a run", result.costs.iter().chain([&study]))
         .text("", "Analysis", |cost| &cost.what)
         .number("", "The paper", |cost| cost.paper_s)
         .shown(Shown::Seconds)

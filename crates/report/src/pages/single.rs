@@ -16,41 +16,41 @@ use crate::pages::design::bears;
 use crate::pages::{DOUBT, animation, band, doubts, time_series};
 
 /// Returns the results of a run as text.
-fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
+fn results(results: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let of = |kind: &str, quantity: &str| {
-        let figure = found.statistic(kind, quantity);
+        let figure = results.statistic(kind, quantity);
         figure.map_or_else(|| NONE.to_owned(), cell)
     };
     let torque = columns::INPUT_TORQUE;
-    if found.statistic("mean", torque).is_some() {
+    if results.statistic("mean", torque).is_some() {
         let [mean, least, most] = ["mean", "min", "max"].map(|kind| of(kind, torque));
-        let from = format::seconds(found.from_s);
-        let said = format!("mean {mean} N m; {least} to {most}, from {from} on");
-        rows.push(("driver torque", said));
+        let from = format::seconds(results.from_s);
+        let text = format!("mean {mean} N m; {least} to {most}, from {from} on");
+        rows.push(("driver torque", text));
     }
     for (label, group) in [
         ("external forces", columns::EXTERNAL_FORCE),
         ("internal forces", columns::INTERNAL_FORCE),
     ] {
-        if let Some(peak) = found.statistic("peak", group) {
+        if let Some(peak) = results.statistic("peak", group) {
             let (peak, mean) = (sentence(peak), of("mean", group));
             rows.push((label, format!("peak {peak}, mean {mean} N")));
         }
     }
     let percent = |share: &Figure| cell(&share.scaled(100.0, "%"));
-    if let Some(share) = found.get(&SHARE_DELIVERED) {
-        let said = || format!("{} % {}", percent(share), share.def.how);
-        rows.push(("efficiency", share.withheld.clone().unwrap_or_else(said)));
+    if let Some(share) = results.get(&SHARE_DELIVERED) {
+        let text = || format!("{} % {}", percent(share), share.def.how);
+        rows.push(("efficiency", share.withheld.clone().unwrap_or_else(text)));
     }
-    let lost = FRICTION.iter().filter_map(|def| found.get(def));
+    let lost = FRICTION.iter().filter_map(|def| results.get(def));
     let lost = lost.map(|share| format!("{} {} %", share.def.label, percent(share)));
     let lost = joined(", ", lost);
     if !lost.is_empty() {
         rows.push(("friction", lost));
     }
     if !rows.is_empty() {
-        let how = match found.uncertainty {
+        let how = match results.uncertainty {
             "verified" => "\u{b1}: by the run's own verification, see its note",
             "estimated" => "\u{b1}: estimated from one more run, see resolution",
             _ if looked => {
@@ -59,7 +59,7 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
             _ => "not verified: the run was made once, how far its figures may be off is not known",
         };
         let mut how = how.to_owned();
-        if found.figures.iter().any(Figure::is_off_by_sampling) {
+        if results.figures.iter().any(Figure::is_off_by_sampling) {
             how += "; (sampling): mostly by what lies between samples, less with a smaller solver.sample_s";
         }
         rows.push(("numerical error", how));
@@ -68,18 +68,18 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
 }
 
 /// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
-pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
-    // What one runs it for comes first.
-    let mut rows = results(&found.results(), found.resolution.is_some());
-    rows.extend(settings(found));
+pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
+    // Results come before settings.
+    let mut rows = results(&outcome.results(), outcome.resolution.is_some());
+    rows.extend(settings(outcome));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
-    rows.retain(|(_, said)| !said.is_empty());
-    titled(&found.scene.name, [pairs(rows)])
+    rows.retain(|(_, text)| !text.is_empty());
+    titled(&outcome.scene.name, [pairs(rows)])
 }
 
-/// The page: the answers, the gear in motion, and the time series.
-pub fn page(found: &Outcome, made: &Provenance) -> String {
-    let results = found.results();
+/// Returns the page: answers, gear in motion, and time series.
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
+    let results = outcome.results();
     let share = results.get(&SHARE_DELIVERED);
     let share = share.map(|share| share.scaled(100.0, "%"));
     let forces = results.figures.iter();
@@ -88,68 +88,68 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         keys.any(|key| one.def.key.starts_with(key))
     };
     let heads = forces.filter(is_head).chain(&share);
-    let facts = settings(found).into_iter();
-    let facts = facts.filter(|(_, said)| !said.is_empty());
-    let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
-    let over_time = time_series(found);
+    let facts = settings(outcome).into_iter();
+    let facts = facts.filter(|(_, text)| !text.is_empty());
+    let facts = facts.map(|(label, text)| Fact::new(label, Mark::warn(label == DOUBT), text));
+    let over_time = time_series(outcome);
     let over_time = over_time.map(|drawn| Section::new("courses", "Over time").with(drawn));
     let every = figure::table("Figures", &results.figures, figure::how);
-    let bands = found.bands.iter().flat_map(band::blocks);
+    let bands = outcome.bands.iter().flat_map(band::blocks);
     let figures = Section::new("figures", "Figures").with(every);
     let figures = figures.with(bands.collect::<Vec<_>>());
     let study = Study {
-        title: found.scene.name.clone(),
-        eyebrow: format!("Pinwheel run, by {}", found.engine),
-        lead: found.scene.description.clone(),
-        verdict: found.diverged().map(|headline| Verdict {
+        title: outcome.scene.name.clone(),
+        eyebrow: format!("Pinwheel run, by {}", outcome.engine),
+        lead: outcome.scene.description.clone(),
+        verdict: outcome.diverged().map(|headline| Verdict {
             tone: Tone::Bad,
             headline,
             detail: "Shown is what there is until then.".to_owned(),
         }),
-        decision: decision(found, heads.clone(), made),
+        decision: decision(outcome, heads.clone(), origin),
         tiles_title: format!("from {} on", format::seconds(results.from_s)),
         tiles: heads.map(figure::tile).collect(),
         below: vec![
             Block::heading("How it was computed"),
             Block::Facts(facts.collect()),
         ],
-        aside: animation::aside(found.motion.as_ref()),
+        aside: animation::aside(outcome.motion.as_ref()),
         sections: over_time.into_iter().chain([figures]).collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn decision<'a>(
-    found: &Outcome,
+    outcome: &Outcome,
     heads: impl Iterator<Item = &'a Figure>,
-    made: &Provenance,
+    origin: &Provenance,
 ) -> Decision {
-    let (mark, why) = match &found.resolution {
+    let (mark, why) = match &outcome.resolution {
         Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
         None => (Mark::Warn, "one engine alone".to_owned()),
     };
     let right = Question::Right.answered(mark, "not compared", why);
-    let bears = found.limits.as_ref().map(bears);
-    let next = crate::pages::next(made, "compare", "whether other engines agree");
+    let bears = outcome.limits.as_ref().map(bears);
+    let next = crate::pages::next(origin, "compare", "whether other engines agree");
     [Some(right), bears, crate::pages::sure(heads), Some(next)]
 }
 
-/// The time series, as those of a comparison of one engine.
-fn time_series(found: &Outcome) -> Option<Block> {
+/// Returns the time series in the layout of a comparison with one engine.
+fn time_series(outcome: &Outcome) -> Option<Block> {
     let participant = Participant {
-        name: found.engine.clone(),
-        track: found.track,
-        version: found.version.clone(),
+        name: outcome.engine.clone(),
+        track: outcome.track,
+        version: outcome.version.clone(),
         summary: String::new(),
         differences: String::new(),
-        time_series: found.run.time_series.clone(),
+        time_series: outcome.run.time_series.clone(),
         cost: Cost::default(),
         status: Status::Finished,
     };
     let context = Context {
-        scene: found.scene.name.clone(),
-        duration_s: found.scene.solver.duration_s,
+        scene: outcome.scene.name.clone(),
+        duration_s: outcome.scene.solver.duration_s,
         ..Context::default()
     };
     let all = [participant];
@@ -158,13 +158,13 @@ fn time_series(found: &Outcome) -> Option<Block> {
 }
 
 /// Returns facts on the computation of a run, and on the bounds of its figures.
-fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
-    let stats = &found.run.stats;
-    let mut rows = Vec::from_iter(found.bands.iter().flat_map(band::rows));
-    rows.extend(doubts(&found.scene));
-    let engine = format!("{} {} ({})", found.engine, found.version, found.track);
-    let samples = found.run.time_series.len();
-    let end_s = format::plain(found.scene.solver.duration_s);
+fn settings(outcome: &Outcome) -> Vec<(&'static str, String)> {
+    let stats = &outcome.run.stats;
+    let mut rows = Vec::from_iter(outcome.bands.iter().flat_map(band::rows));
+    rows.extend(doubts(&outcome.scene));
+    let engine = format!("{} {} ({})", outcome.engine, outcome.version, outcome.track);
+    let samples = outcome.run.time_series.len();
+    let end_s = format::plain(outcome.scene.solver.duration_s);
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);
     let steps = format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls);
     let freedom = format!("{} velocities integrated", stats.degrees_of_freedom);
@@ -176,7 +176,7 @@ fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
         ("steps", steps),
         ("freedom", freedom),
     ]);
-    if let Some(resolution) = &found.resolution {
+    if let Some(resolution) = &outcome.resolution {
         rows.push(("resolution", resolution.sentence()));
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));

@@ -125,13 +125,13 @@ impl ChartData {
         let time_s = drawn.first()?.participant.time_series.time_s();
         let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
         let most = quantities.iter().map(|q| q.channels.len()).max();
-        let whole = Plan {
+        let full = Plan {
             channels: most.unwrap_or(0),
             samples: time_s.len(),
             digits: DIFFERENCE_DIGITS[0],
         };
-        let (plan, mut quantities) = fitting(whole, &quantities, &drawn);
-        plan.tell(whole, &mut notes);
+        let (plan, mut quantities) = fitting(full, &quantities, &drawn);
+        plan.tell(full, &mut notes);
         let line = |d: &Drawn<'_>| {
             json!({
                 "name": d.participant.name,
@@ -220,12 +220,8 @@ struct Plan {
 }
 
 /// Reduces the plan to the budget: first invisible digits, then samples between peaks, then channels.
-fn fitting(
-    whole: Plan,
-    quantities: &[Quantity],
-    drawn: &[Drawn<'_>],
-) -> (Plan, Vec<ChartQuantity>) {
-    let mut plan = whole;
+fn fitting(full: Plan, quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuantity>) {
+    let mut plan = full;
     // Skips packing of a long run that is certainly too large: a value takes at least a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
     let most = (4 * BUDGET / columns.max(1)).max(FEW_SAMPLES);
@@ -256,19 +252,19 @@ fn fitting(
 
 impl Plan {
     /// Appends notes on the parts that the plan omits.
-    fn tell(self, whole: Self, notes: &mut Vec<String>) {
+    fn tell(self, full: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
              all digits and samples.",
             100.0 * 0.5f64.powi(self.digits + 1)
         ));
-        if self.channels < whole.channels {
+        if self.channels < full.channels {
             notes.push(format!(
                 "To keep this page small, {} evenly spaced channels of larger groups are drawn.",
                 self.channels
             ));
         }
-        if self.samples < whole.samples {
+        if self.samples < full.samples {
             notes.push(format!(
                 "To keep this page small, of every stretch only the samples are drawn in which a channel is smallest or \
                  largest or its engines are furthest apart, {} in all: no peak is lost.",
@@ -321,7 +317,7 @@ fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuanti
 /// Returns the uncertainty of every comparison with measured data, in the quantity's unit.
 fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(usize, usize, f64)> {
     let place = |name: &str| drawn.iter().position(|d| d.participant.name == name);
-    let mut found = Vec::new();
+    let mut bands = Vec::new();
     for pair in &comparison.pairs {
         for entry in pair.entries.iter().filter(|e| e.quantity == quantity) {
             let rms = |name: &str| {
@@ -333,13 +329,13 @@ fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(u
             let scale = rms(&pair.a).zip(rms(&pair.b)).map(|(a, b)| a.max(b));
             if let (Some(budget), Some(scale), Some(a), Some(b)) =
                 (budget, scale, place(&pair.a), place(&pair.b))
-                && !found.iter().any(|(x, y, _)| (*x, *y) == (a, b))
+                && !bands.iter().any(|(x, y, _)| (*x, *y) == (a, b))
             {
-                found.push((a, b, budget.bound() * scale));
+                bands.push((a, b, budget.bound() * scale));
             }
         }
     }
-    found
+    bands
 }
 
 fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
@@ -457,12 +453,12 @@ mod tests {
 
     #[test]
     fn samples_find_their_times() {
-        let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
+        let all: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
         let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
-        let found = standing(&every, &whole).unwrap();
-        assert_eq!(found, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
-        assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
-        assert_eq!(standing(&[1.5e-4], &whole), None);
+        let rows = standing(&every, &all).unwrap();
+        assert_eq!(rows, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
+        assert_eq!(standing(&all[40..], &all).unwrap()[0], 40);
+        assert_eq!(standing(&[1.5e-4], &all), None);
     }
 
     #[test]
@@ -516,8 +512,8 @@ mod tests {
         let mut rig = engine("rig", SharedModel::Measured, 1.02, 1);
         let mut gapped = rig.time_series.clone();
         let late = pinwheel_timeseries::TimeSeries::new(gapped.time_s().to_vec()).unwrap();
-        let whole = std::mem::replace(&mut gapped, late);
-        for channel in whole.channels() {
+        let full = std::mem::replace(&mut gapped, late);
+        for channel in full.channels() {
             let mut values = channel.values.clone();
             values[..100].fill(f64::NAN);
             gapped.push(channel.name.clone(), values).unwrap();
@@ -591,15 +587,15 @@ mod tests {
         };
         let participants = ["native-reduced", "a", "b", "c"]
             .map(|name| participant(name, SharedModel::Native, &time, forces()));
-        let found = data(&participants);
-        let channels = &found.quantities[0].channels;
+        let drawn = data(&participants);
+        let channels = &drawn.quantities[0].channels;
         let size: usize = channels.iter().map(|c| c.packed.len()).sum();
         assert!(size > BUDGET / 2 && size <= BUDGET, "{size}");
-        assert_eq!(channels.len(), 60, "{:?}", found.notes);
+        assert_eq!(channels.len(), 60, "{:?}", drawn.notes);
         assert!(
-            found.notes[1].contains("no peak is lost"),
+            drawn.notes[1].contains("no peak is lost"),
             "{:?}",
-            found.notes
+            drawn.notes
         );
     }
 
@@ -608,8 +604,8 @@ mod tests {
         let time: Vec<f64> = (0..601).map(|k| f64::from(k) * 1e-3).collect();
         let forces = |count: usize| vec![time.clone(); count];
         let few = participant("a", SharedModel::Native, &time, forces(2));
-        let found = data(&[few, participant("b", SharedModel::Native, &time, forces(3))]);
-        let engines = found.quantities[0]
+        let drawn = data(&[few, participant("b", SharedModel::Native, &time, forces(3))]);
+        let engines = drawn.quantities[0]
             .channels
             .iter()
             .map(|c| c.engines.clone());
@@ -618,7 +614,7 @@ mod tests {
             [vec![0, 1], vec![0, 1], vec![1]]
         );
         let mut read =
-            crate::pages::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
+            crate::pages::packed::tests::Reader::new(&drawn.quantities[0].channels[2].packed);
         assert_eq!(read.places(), [0usize; 0]);
         assert!((read.column()[600] - 0.6).abs() < 1e-4);
     }

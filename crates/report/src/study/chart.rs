@@ -25,7 +25,7 @@ pub struct Chart {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Curves; the order gives colour and dash.
+    /// Curves; their order sets colour and dash.
     pub series: Vec<Series>,
     /// Sentence below the chart; may be empty.
     pub note: String,

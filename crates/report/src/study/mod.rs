@@ -59,7 +59,7 @@ pub struct Study {
     /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
     /// Date for the foot of the page; `None` for pages equal byte for byte.
-    pub made: Option<String>,
+    pub date: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
     /// Description of the machine, e.g. (`processor`, ...), (`operating system`, ...).
@@ -115,7 +115,8 @@ pub struct Tile {
 /// Answers to the four questions of a decision.
 pub type Decision = [Option<Tile>; 4];
 
-/// Questions of who has to decide, answered by every first screen in this order; a study that cannot answer one leaves it out.
+/// Question of a decision. Every first screen answers the questions in this order, and omits those that its study cannot
+/// answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Question {
     /// Do independent computations agree?
@@ -129,7 +130,7 @@ pub enum Question {
 }
 
 impl Question {
-    /// The tile of an answer: a word or two, or a command in backticks, and its reason.
+    /// Creates the tile of an answer: a word or two, or a command in backticks, and the reason.
     pub fn answered(self, mark: Mark, value: impl Into<String>, detail: impl Into<String>) -> Tile {
         let label = match self {
             Self::Right => "Is it right?",
@@ -295,7 +296,7 @@ pub struct Item {
     /// Mark of the verdict.
     pub mark: Mark,
     /// Text of the verdict.
-    pub said: String,
+    pub badge: String,
     /// Quantity and window of the verdict.
     pub beside: String,
     /// True if the item is unfolded at first.

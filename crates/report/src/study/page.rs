@@ -12,7 +12,7 @@ use crate::{script, table};
 #[derive(Default)]
 struct Drawn<'a> {
     charts: Vec<&'a Chart>,
-    /// Tables made when opened, as text.
+    /// Tables that the script builds when opened, as text.
     later: Vec<Value>,
     /// True if a block has selectable axes.
     grids: bool,
@@ -60,7 +60,7 @@ pub fn render(study: &Study) -> String {
         versions = pairs("Versions", &study.versions),
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
-        made = escape(study.made.as_deref().unwrap_or_default()),
+        date = escape(study.date.as_deref().unwrap_or_default()),
         connect = match drawn.asks {
             true => "; connect-src 'self'",
             false => "",
@@ -267,10 +267,10 @@ fn item_html(item: &Item, inside: &str) -> String {
         Mark::Bad => ("exceeded", "\u{2715}"),
         Mark::None | Mark::Warn | Mark::Muted => ("unjudged", "\u{25cb}"),
     };
-    let [id, name, said, beside] =
-        [&item.id, &item.name, &item.said, &item.beside].map(|text| escape(text));
+    let [id, name, badge, beside] =
+        [&item.id, &item.name, &item.badge, &item.beside].map(|text| escape(text));
     format!(
-        "<details class=\"item {class}\" id=\"{id}\"{}><summary><b>{name}</b> <span class=\"badge {class}\">{sign} {said}</span> \
+        "<details class=\"item {class}\" id=\"{id}\"{}><summary><b>{name}</b> <span class=\"badge {class}\">{sign} {badge}</span> \
          <span class=\"of\">{beside}</span></summary>{inside}</details>",
         if item.open { " open" } else { "" }
     )

@@ -276,19 +276,19 @@ mod tests {
 
     #[test]
     fn a_window_is_packed_channel_by_channel() {
-        let made = Animation::of("a <gear>", &scene(), &time_series(), (0.002, 0.006)).unwrap();
+        let drawn = Animation::of("a <gear>", &scene(), &time_series(), (0.002, 0.006)).unwrap();
         assert_eq!(
-            [&made.view["count"], &made.view["channels"]],
+            [&drawn.view["count"], &drawn.view["channels"]],
             [&json!(5), &json!(channels(&scene()).len())]
         );
         // The first channel rises from 3 to 7 N m.
         let first =
-            crate::pages::packed::tests::Reader::new(made.view["samples"].as_str().unwrap())
+            crate::pages::packed::tests::Reader::new(drawn.view["samples"].as_str().unwrap())
                 .column();
         for (value, wanted) in first.iter().zip([3.0, 4.0, 5.0, 6.0, 7.0]) {
             assert!((value - wanted).abs() < 7.0 / 16_000.0, "{first:?}");
         }
-        let html = markup(&[made], 0.004);
+        let html = markup(&[drawn], 0.004);
         assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
         assert!(!html.contains("http:") && !html.contains("https:"));
     }
@@ -344,11 +344,11 @@ mod tests {
             series.push(name, vec![1e-5; 11]).unwrap();
         }
         let rigid = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
-        let seen = |made: Animation| [made.view["offset"].clone(), made.view["channels"].clone()];
-        assert_eq!(seen(rigid), [json!(0.0), json!(9)]);
+        let view = |it: Animation| [it.view["offset"].clone(), it.view["channels"].clone()];
+        assert_eq!(view(rigid), [json!(0.0), json!(9)]);
         scene.bearings.eccentric = Some(Default::default());
         let floating = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
-        assert_eq!(seen(floating), [json!(20.0), json!(11)]);
+        assert_eq!(view(floating), [json!(20.0), json!(11)]);
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod sections;
 pub use figures::failure;
 
 /// Returns the page.
-pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
+pub fn page(measured: &WorkPrecision, origin: &Provenance) -> String {
     let rankings = &measured.rankings();
     let scene = &measured.scene;
     let versions = measured.series.iter();
@@ -27,7 +27,7 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
             scene.name, scene.solver.duration_s
         ),
         verdict: rankings.first().and_then(|first| verdict(measured, first)),
-        decision: decision(measured, rankings.first(), made),
+        decision: decision(measured, rankings.first(), origin),
         sections: sections::all(measured, rankings),
         versions: versions.collect(),
         ..Study::default()
@@ -38,10 +38,10 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
         let stopped = Section::new("incomplete", "Incomplete").with(text);
         study.sections.insert(0, stopped);
     }
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
-fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance) -> Decision {
+fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, origin: &Provenance) -> Decision {
     let entries = ranking.into_iter().flat_map(|ranking| &ranking.entries);
     let there = entries.filter(|entry| {
         entry.track != SharedModel::Native && entry.cpu_s.is_some_and(CostAt::reached)
@@ -52,10 +52,10 @@ fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance)
     let mark = if there > 0 { Mark::Good } else { Mark::Warn };
     let apart = format::relative(study.reference.apart.forces);
     let second = "of forces: the converged run, from a second one by another method";
-    let said = format::counted(there, "peer agrees", "peers agree");
-    let right = Question::Right.answered(mark, said, why);
+    let answer = format::counted(there, "peer agrees", "peers agree");
+    let right = Question::Right.answered(mark, answer, why);
     let sure = Question::Sure.answered(Mark::None, format!("to {apart}"), second);
-    let next = crate::pages::next(made, "compare", "whether engines agree on this scene");
+    let next = crate::pages::next(origin, "compare", "whether engines agree on this scene");
     [Some(right), None, Some(sure), Some(next)]
 }
 

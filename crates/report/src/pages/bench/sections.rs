@@ -165,7 +165,7 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
 
 /// Returns the converged run and its error.
 fn reference(study: &WorkPrecision) -> Section {
-    let found = &study.reference;
+    let reference = &study.reference;
     let named = |solution: &Solution| {
         let (knob, unit) = match AccuracySetting::of(&solution.method) {
             AccuracySetting::Step => ("steps of", " s"),
@@ -195,8 +195,8 @@ fn reference(study: &WorkPrecision) -> Section {
                  series up to the distances below: the error of the worse of \
                  the two, and so an upper estimate of the reference's. Errors near it say no more than that they are \
                  small.",
-                named(&found.solution),
-                named(&found.second)
+                named(&reference.solution),
+                named(&reference.second)
             ))
             .with(table)
 }

@@ -27,27 +27,27 @@ pub(super) type Number = fn(f64) -> String;
 
 /// Answers of a comparison.
 pub(super) struct Answer<'a> {
-    pub(super) found: &'a Outcome,
+    pub(super) outcome: &'a Outcome,
     number: Number,
 }
 
 impl<'a> Answer<'a> {
-    pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
-        Self { found, number }
+    pub(super) fn new(outcome: &'a Outcome, number: Number) -> Self {
+        Self { outcome, number }
     }
 
     pub(super) fn comparison(&self) -> &'a Comparison {
-        &self.found.comparison
+        &self.outcome.comparison
     }
 
     /// Returns the verdict with the main figure, and the counts of all verdicts.
     pub(super) fn verdict(&self) -> Verdict {
-        let (tone, word, said) = self.judged();
+        let (tone, word, main) = self.judged();
         Verdict {
             tone,
-            headline: match said.as_str() {
+            headline: match main.as_str() {
                 "" => word,
-                said => format!("{word}: {said}"),
+                main => format!("{word}: {main}"),
             },
             detail: words::counts(self.comparison()),
         }
@@ -56,7 +56,7 @@ impl<'a> Answer<'a> {
     /// Returns the evidence for each input of the user, or for the engines together, a line each. Limits that are met are
     /// part of their record's line.
     pub(super) fn shown(&self) -> Vec<Fact> {
-        let findings = self.found.comparison.findings.iter();
+        let findings = self.outcome.comparison.findings.iter();
         let findings = findings.filter(|one| one.kind != Kind::Limit || one.shown != Shown::Agrees);
         let fact = |one: &Finding| {
             let mark = match (one.shown, one.status) {
@@ -69,7 +69,7 @@ impl<'a> Answer<'a> {
                 _ => Fact::new("limit", mark, one.line.as_str()),
             }
         };
-        let stages = stages::facts(self.found);
+        let stages = stages::facts(self.outcome);
         findings.map(fact).chain(stages).collect()
     }
 
@@ -79,7 +79,7 @@ impl<'a> Answer<'a> {
         let agreeing = agreeing.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
         let tracks: BTreeSet<SharedModel> = agreeing.map(|(pair, _)| pair.track).collect();
         let independent = [SharedModel::OwnContact, SharedModel::Measured];
-        let mut twins = self.found.twins.iter();
+        let mut twins = self.outcome.twins.iter();
         if twins.any(|twin| twin.verdict == Judged::Agree)
             || independent.iter().any(|track| tracks.contains(track))
         {
@@ -94,32 +94,32 @@ impl<'a> Answer<'a> {
     /// Returns the tone, the verdict in a word or two, and its figure or difference. The tone is good only if engines
     /// beyond one shared contact law agree, and no difference is unexplained.
     pub(super) fn judged(&self) -> (Tone, String, String) {
-        let found = self.found;
-        let mut twins = found.twins.iter();
+        let outcome = self.outcome;
+        let mut twins = outcome.twins.iter();
         if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
             let off = twin.worst().map(|worst| percent(worst.difference()));
             let (engine, off) = (words::short(&twin.engine), off.unwrap_or_default());
-            let said = format!("{engine} is {off} from a native run with the same contacts");
-            return (Tone::Bad, "Differs".to_owned(), said);
+            let detail = format!("{engine} is {off} from a native run with the same contacts");
+            return (Tone::Bad, "Differs".to_owned(), detail);
         }
         let (tone, word) = self.of_engines();
-        if tone == Tone::Good && found.is_unexplained() {
-            let largest = found.largest().map(|largest| self.apart(&largest));
-            let said = largest.unwrap_or_default();
-            return (Tone::Open, "Not confirmed".to_owned(), said);
+        if tone == Tone::Good && outcome.is_unexplained() {
+            let largest = outcome.largest().map(|largest| self.apart(&largest));
+            let detail = largest.unwrap_or_default();
+            return (Tone::Open, "Not confirmed".to_owned(), detail);
         }
-        let said = self.worst(Judged::Differ, |_| true);
-        let said = said.or_else(|| self.unbalanced());
-        let said = said.unwrap_or_else(|| self.first_figure());
+        let detail = self.worst(Judged::Differ, |_| true);
+        let detail = detail.or_else(|| self.unbalanced());
+        let detail = detail.unwrap_or_else(|| self.first_figure());
         if let (Tone::Good, Some(scope)) = (tone, self.scope()) {
-            return (Tone::Open, format!("{word}, {scope}"), said);
+            return (Tone::Open, format!("{word}, {scope}"), detail);
         }
-        (tone, word, said)
+        (tone, word, detail)
     }
 
     /// Returns the verdict of the engines, without limitations. An engine excluded beforehand does not count as broken.
     fn of_engines(&self) -> (Tone, String) {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let engines = || comparison.engines.iter();
         let broken = engines().filter(|e| e.status.is_broken()).count();
         let finished = engines().any(|e| e.status.is_finished());
@@ -135,7 +135,7 @@ impl<'a> Answer<'a> {
     }
 
     fn first_figure(&self) -> String {
-        let figures = figures(self.found);
+        let figures = figures(self.outcome);
         let forces = figures.iter().filter(|figure| figure.def.unit == "N");
         let forces: Vec<String> = forces.map(|figure| shown(figure).0).collect();
         match forces.as_slice() {
@@ -166,37 +166,38 @@ impl<'a> Answer<'a> {
         format!("{label} {here} {unit} here, {there} by {by}")
     }
 
-    /// Tiles of the decision; `made`: the command that the next one follows.
-    pub(super) fn decision(&self, made: &Provenance) -> Decision {
+    /// Returns the tiles of the decision; `origin`: command of this page, which the next command follows.
+    pub(super) fn decision(&self, origin: &Provenance) -> Decision {
         let (tone, ..) = self.judged();
         let mark = match tone {
             Tone::Good => Mark::Good,
             Tone::Bad => Mark::Bad,
             Tone::Neutral | Tone::Open => Mark::Warn,
         };
-        let said = self.equations().text;
-        let (said, why) = said.split_once([';', ':']).unwrap_or((&said, ""));
-        let right = Question::Right.answered(mark, said, why.trim_start());
+        let answer = self.equations().text;
+        let (answer, why) = answer.split_once([';', ':']).unwrap_or((&answer, ""));
+        let right = Question::Right.answered(mark, answer, why.trim_start());
         let next = match self.open().first() {
-            None => pages::next(made, "design", "stiffness, lost motion, pressure"),
+            None => pages::next(origin, "design", "stiffness, lost motion, pressure"),
             Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
         };
-        let bears = self.found.limits.as_ref().map(pages::design::bears);
-        let sure = pages::sure(&figures(self.found));
+        let bears = self.outcome.limits.as_ref().map(pages::design::bears);
+        let sure = pages::sure(&figures(self.outcome));
         [Some(right), bears, sure, Some(next)]
     }
 
-    /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
+    /// Returns the facts on trust: equations, integration, contacts, law, fit, measurement and changes to the measured
+    /// data.
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
         let unbalanced = self.unbalanced();
-        facts.extend(unbalanced.map(|said| Fact::new("balance", Mark::Bad, said)));
+        facts.extend(unbalanced.map(|text| Fact::new("balance", Mark::Bad, text)));
         facts.extend(self.integration());
         facts.push(self.contacts());
         facts.extend(self.difference());
         facts.extend(self.law());
         facts.extend(self.measured());
-        let notes = words::of_measured(&self.found.comparison);
+        let notes = words::of_measured(&self.outcome.comparison);
         facts.extend(notes.map(|note| Fact::new(DATA, Mark::None, note)));
         facts
     }
@@ -206,7 +207,7 @@ impl<'a> Answer<'a> {
         &self,
         of: impl Fn(&Pair) -> bool,
     ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
-        let pairs = self.found.comparison.pairs.iter();
+        let pairs = self.outcome.comparison.pairs.iter();
         words::entries(pairs.filter(move |pair| of(pair)))
     }
 
@@ -231,7 +232,7 @@ impl<'a> Answer<'a> {
 
     /// Returns an entry's quantity for a sentence.
     fn label(&self, entry: &PairEntry) -> String {
-        words::label(&self.found.comparison, &entry.quantity).to_lowercase()
+        words::label(&self.outcome.comparison, &entry.quantity).to_lowercase()
     }
 
     fn equations(&self) -> Fact {
@@ -253,7 +254,7 @@ impl<'a> Answer<'a> {
 
     /// Returns engines whose output torque and load do not match the output's acceleration.
     fn unbalanced(&self) -> Option<String> {
-        let engines = self.found.comparison.engines.iter();
+        let engines = self.outcome.comparison.engines.iter();
         let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
         let off = alone.filter(|(_, result)| result.verdict == Judged::Differ);
         let worst = off.clone().map(|(_, result)| result);
@@ -268,7 +269,7 @@ impl<'a> Answer<'a> {
     }
 
     fn integration(&self) -> Option<Fact> {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let (best, window) = best(comparison)?;
         let off = |engine: &EngineSummary| numerical(comparison, engine, window);
         let fact = |mark, text: &str| Some(Fact::new("integration", mark, text));
@@ -294,12 +295,12 @@ impl<'a> Answer<'a> {
     fn contacts(&self) -> Fact {
         let fact = |mark, text| Fact::new("contacts", mark, text);
         let differ = |twin: &&MatchedContactRun| twin.verdict == Judged::Differ;
-        let mut twins = self.found.twins.iter();
+        let mut twins = self.outcome.twins.iter();
         if let Some(line) = twins.find(differ).and_then(twins::line) {
             return fact(Mark::Bad, line);
         }
         let mut parts = Vec::new();
-        let twins = self.found.twins.iter();
+        let twins = self.outcome.twins.iter();
         let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
         let twins = twins.filter_map(|twin| {
             let off = percent(twin.worst()?.difference());
@@ -310,7 +311,7 @@ impl<'a> Answer<'a> {
             parts.push(format!("{twins} from native runs with the same contacts"));
         }
         let without_twin = |pair: &Pair| {
-            let mut twins = self.found.twins.iter();
+            let mut twins = self.outcome.twins.iter();
             !twins.any(|twin| twin.engine == pair.a || twin.engine == pair.b)
         };
         let alike = self.worst(Judged::Agree, |pair| {
@@ -320,7 +321,7 @@ impl<'a> Answer<'a> {
         if !parts.is_empty() {
             return fact(Mark::Good, parts.join("; "));
         }
-        let mut engines = self.found.comparison.engines.iter();
+        let mut engines = self.outcome.comparison.engines.iter();
         let has_own = engines.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
         let text = match has_own {
             true => START_UP,
@@ -331,7 +332,7 @@ impl<'a> Answer<'a> {
 
     /// Returns the largest difference, judged or not.
     fn difference(&self) -> Option<Fact> {
-        let most = self.found.largest()?;
+        let most = self.outcome.largest()?;
         let why = match most.twin {
             _ if most.share() < SEEN || most.verdict == Some(Judged::Agree) => String::new(),
             Some(twin) if most.is_explained() => {
@@ -350,8 +351,8 @@ impl<'a> Answer<'a> {
     }
 
     fn law(&self) -> Vec<Fact> {
-        let scene = &self.found.gearbox.scene;
-        let Some(bands) = &self.found.bands else {
+        let scene = &self.outcome.gearbox.scene;
+        let Some(bands) = &self.outcome.bands else {
             let why = declined(scene);
             let why = why.unwrap_or("the gear cannot be balanced, or has no load");
             let text = format!("no band: {why}");
@@ -366,10 +367,10 @@ impl<'a> Answer<'a> {
         });
         let law = Fact::new("contact law", mark, text);
         let gear = &scene.gear;
-        let given = bands.tolerances.is_some()
+        let stated = bands.tolerances.is_some()
             || gear.modification.equidistant_m != 0.0
             || gear.backlash_m != 0.0;
-        let fit = band::fit(bands).map(|text| match given {
+        let fit = band::fit(bands).map(|text| match stated {
             true => Fact::new("fit", Mark::None, text),
             false => Fact::new("fit", Mark::Warn, format!("none given: {text}")),
         });
@@ -379,7 +380,7 @@ impl<'a> Answer<'a> {
     fn measured(&self) -> Option<Fact> {
         let pairs = || self.entries(|pair| pair.track == SharedModel::Measured);
         let (mut pair, mut entry) = Assessment::gravest(pairs(), |(_, entry)| &entry.result)?;
-        let mut said = words::verdict(&entry.result, self.number);
+        let mut verdict = words::verdict(&entry.result, self.number);
         // Without an uncertainty the distance is still available.
         let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
         if entry.result.verdict == Judged::NotCompared {
@@ -388,19 +389,19 @@ impl<'a> Answer<'a> {
                 (pair, entry) = (of, farthest);
                 let place = self.label(entry);
                 let apart = (self.number)(l2);
-                said = format!("{said}; at most {apart} apart (relative L2, {place})");
+                verdict = format!("{verdict}; at most {apart} apart (relative L2, {place})");
             }
         }
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let mark = Mark::good(entry.result.verdict == Judged::Agree);
-        let text = format!("{a} and {b}: {said}");
+        let text = format!("{a} and {b}: {verdict}");
         Some(Fact::new("measurement", mark, text))
     }
 
     /// Returns facts on parts that were not checked, with the way to check them. At most `listed` reasons of engines without
     /// figures are listed one by one.
     pub(super) fn unchecked(&self, listed: usize) -> Vec<Fact> {
-        let comparison = &self.found.comparison;
+        let comparison = &self.outcome.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
         let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
@@ -472,11 +473,11 @@ impl<'a> Answer<'a> {
 
     /// Returns the open questions of a comparison, each with a way to settle it.
     pub(super) fn open(&self) -> Vec<String> {
-        let open = words::inconclusive(&self.found.comparison).into_iter();
+        let open = words::inconclusive(&self.outcome.comparison).into_iter();
         let open = open.map(|(who, why)| format!("{who}: {why}"));
         let mut next: Vec<String> = open.take(3).collect();
-        let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
-        if let Some(most) = unexplained {
+        let largest = self.outcome.largest();
+        if let Some(most) = largest.filter(|_| self.outcome.is_unexplained()) {
             next.push(match most.twin {
                 _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
                     "find what the model leaves out of `{}`, or what is wrong with it: it differs by more than its tolerance",
@@ -490,7 +491,7 @@ impl<'a> Answer<'a> {
                     "ask for more of `{}`: --longest 300; or leave it out",
                     most.engine
                 ),
-                None if stages::names(self.found, most.engine) => {
+                None if stages::names(self.outcome, most.engine) => {
                     format!("correct that stage of `{}`; Stages on the page shows where", most.engine)
                 }
                 None => format!("refine `{}` or leave it out: --engines", most.engine),
@@ -557,7 +558,7 @@ pub(super) fn left_out_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
 /// Label of the fact on engines that solve the scene's own law.
 pub(super) const EQUATIONS: &str = "equations";
 const START_UP: &str = "not checked: the run is all start-up, in which engines with contacts of their own damp otherwise";
-/// Label of facts on changes that were made to measured data.
+/// Label of facts on changes to measured data.
 pub(super) const DATA: &str = "data";
 /// Selects pairs that solve the scene's law.
 const SHARES: fn(&Pair) -> bool =

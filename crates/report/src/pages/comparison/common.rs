@@ -63,11 +63,11 @@ impl<'a> Page<'a> {
 }
 
 /// Returns the mark of a verdict; open ones are muted.
-pub(super) fn mark(found: &Assessment) -> Mark {
-    match found.verdict {
+pub(super) fn mark(result: &Assessment) -> Mark {
+    match result.verdict {
         Verdict::Agree => Mark::Good,
         Verdict::Differ => Mark::Bad,
-        Verdict::Inconclusive if found.actionable => Mark::Warn,
+        Verdict::Inconclusive if result.actionable => Mark::Warn,
         Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
     }
 }

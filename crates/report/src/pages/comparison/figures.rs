@@ -14,8 +14,9 @@ pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
     windows.min_by_key(|kind| *kind == WindowKind::Transient)
 }
 
-/// Engine that speaks for all, with the window of its figures: of those that share the contact law, or of all if none does, one
-/// that is not recorded, and of those with a known uncertainty the resolved one, or else the one of the smallest.
+/// Returns the representative engine and the window of its figures. Candidates share the contact law, or are all engines if
+/// none does. Live runs precede recordings, known uncertainties precede unknown ones, and the resolved form precedes
+/// others; the smallest uncertainty decides among the rest.
 pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
     let window = window(comparison)?;
     let is_sharing =
@@ -55,13 +56,13 @@ pub(super) fn numerical(
 }
 
 /// Returns forces, driver torque and efficiency.
-pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
-    let Some((best, window)) = best(&found.comparison) else {
+pub(super) fn figures(outcome: &Outcome) -> Vec<Figure> {
+    let Some((best, window)) = best(&outcome.comparison) else {
         return Vec::new();
     };
-    let loads = found.comparison.quantities.iter();
+    let loads = outcome.comparison.quantities.iter();
     let loads = loads.filter(|q| q.is_load() && q.name != quantities::OUTPUT_TORQUE);
-    let loads = loads.filter_map(|quantity| load(found, best, window, quantity));
+    let loads = loads.filter_map(|quantity| load(outcome, best, window, quantity));
     let mut figures: Vec<Figure> = loads.collect();
     // Forces come first: they name the loaded parts.
     figures.sort_by_key(|figure| figure.def.unit != "N");
@@ -71,13 +72,13 @@ pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
 
 /// Returns the mean of a torque, or the largest force.
 fn load(
-    found: &Outcome,
+    outcome: &Outcome,
     best: &EngineSummary,
     window: WindowKind,
     of: &Quantity,
 ) -> Option<Figure> {
     let own = best.figures_in(window)?.quantities.get(&of.name)?;
-    let scales = found.comparison.context.scales;
+    let scales = outcome.comparison.context.scales;
     let (value, kind, norm, scale) = match of.is_torque() {
         true => (own.mean, "mean", Norm::Mean, scales.torque_n_m),
         false => (own.max, "largest", Norm::Peak, scales.force_n),
@@ -92,7 +93,7 @@ fn load(
     let key = format!("{kind}_{}", of.name);
     let label = format!("{}, {kind}", of.label);
     let mut figure = FigureDef::named(key, label, of.unit.clone()).of(value, off);
-    if let Some(bands) = &found.bands {
+    if let Some(bands) = &outcome.bands {
         bands.bound_load(&mut figure, &of.name);
     }
     Some(figure)
@@ -104,7 +105,7 @@ const ROUNDING: f64 = 1e-12;
 /// Returns the efficiency, or the reason for a missing one.
 fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Figure> {
     let figures = best.figures_in(window)?;
-    // Its powers are those of the mean torques.
+    // Powers in the efficiency are those of the mean torques.
     let share = |name: &str| {
         let mean = figures.quantities.get(name)?.mean.abs();
         let share = best.u(name, window, Norm::Mean)? / mean;

@@ -25,30 +25,30 @@ pub use text::{details, text, verdict};
 use crate::pages::{animation, band, time_series};
 
 /// Returns the page.
-pub fn page(found: &Outcome, made: &Provenance) -> String {
-    let (comparison, participants) = (&found.comparison, &found.participants);
+pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
+    let (comparison, participants) = (&outcome.comparison, &outcome.participants);
     let page = Page::new(comparison);
-    let answer = Answer::new(found, format::relative);
+    let answer = Answer::new(outcome, format::relative);
     let mut sections = Vec::new();
     if let Some(time_series) = time_series::block(comparison, participants, false) {
         sections.push(Section::new("courses", "Over time").with(time_series));
     }
-    sections.extend(stages::section(found));
+    sections.extend(stages::section(outcome));
     // Details are below the first screen.
-    let mut details = twins::blocks(found);
-    details.extend(found.bands.iter().flat_map(band::blocks));
+    let mut details = twins::blocks(outcome);
+    details.extend(outcome.bands.iter().flat_map(band::blocks));
     if !details.is_empty() {
         sections.push(Section::new("models", "Models").with(details));
     }
     sections.extend(page.tracks());
     sections.extend(page.energy());
     sections.push(page.costs());
-    let model = Section::new("model", "Model").with(model(found));
+    let model = Section::new("model", "Model").with(model(outcome));
     sections.push(model.folded(""));
     sections.push(page.engines());
     let versions = participants.iter();
     let versions = versions.map(|p| (p.name.clone(), p.version.clone()));
-    let scene = Block::Code(found.gearbox.scene.to_toml());
+    let scene = Block::Code(outcome.gearbox.scene.to_toml());
     let study = Study {
         title: comparison.context.scene.clone(),
         eyebrow: match comparison.engines.len() {
@@ -57,21 +57,21 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         },
         lead: comparison.context.description.clone(),
         verdict: Some(answer.verdict()),
-        decision: answer.decision(made),
+        decision: answer.decision(origin),
         top: vec![answer.shown().into()],
         tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", page.window(window), engine.name)
         }),
-        tiles: figures::figures(found).iter().map(tile).collect(),
+        tiles: figures::figures(outcome).iter().map(tile).collect(),
         below: below(&answer),
-        aside: animation::aside(found.motion.as_ref()),
+        aside: animation::aside(outcome.motion.as_ref()),
         sections,
         appendix: vec![Block::folded("The scene, every key", scene)],
         versions: versions.collect(),
-        made: Some(made.date.clone()),
+        date: Some(origin.date.clone()),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 /// Returns facts below the figures, and remarks.
@@ -99,20 +99,20 @@ fn below(answer: &Answer<'_>) -> Vec<Block> {
 }
 
 /// Returns tables of the model: modelled parts, omitted parts and assumptions.
-fn model(found: &Outcome) -> Vec<Block> {
+fn model(outcome: &Outcome) -> Vec<Block> {
     let statements = |caption: &str, list: &[Statement]| {
         Table::of(caption, list)
             .text("", "What", |statement| &statement.what)
             .text("", "Why", |statement| &statement.why)
             .done()
     };
-    let assumptions = Table::of("Assumptions", &found.assumptions)
+    let assumptions = Table::of("Assumptions", &outcome.assumptions)
         .text("", "What", |a| format!("{} = {}", a.key, a.value))
         .text("", "Why", |a| &a.reason)
         .done();
     let tables = [
-        statements("What was modelled", &found.model.modelled),
-        statements("What was left out, and why", &found.model.left_out),
+        statements("What was modelled", &outcome.model.modelled),
+        statements("What was left out, and why", &outcome.model.left_out),
         assumptions,
     ];
     let tables = tables.into_iter().filter(|table| !table.is_empty());

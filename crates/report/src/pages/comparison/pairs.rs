@@ -32,10 +32,10 @@ impl Page<'_> {
         let pairs = pairs.filter(|(_, pair)| pair.track == track);
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);
         let alone = engines.filter_map(|engine| self.alone(engine));
-        let mut found: Vec<Ranked> = pairs.map(|(k, pair)| self.pair(k, pair)).collect();
-        found.extend(alone);
-        found.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
-        if found.is_empty() {
+        let mut ranked: Vec<Ranked> = pairs.map(|(k, pair)| self.pair(k, pair)).collect();
+        ranked.extend(alone);
+        ranked.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
+        if ranked.is_empty() {
             return Vec::new();
         }
         let mut blocks = vec![Block::heading("Pair by pair")];
@@ -46,7 +46,7 @@ impl Page<'_> {
                     .into(),
             );
         }
-        for group in found.chunk_by(|a, b| a.0 == b.0) {
+        for group in ranked.chunk_by(|a, b| a.0 == b.0) {
             // For unresolvable verdicts a sentence each suffices.
             if group[0].0 == 2 && track != SharedModel::Measured {
                 let sentences = group.iter().map(|(.., item)| {
@@ -55,7 +55,7 @@ impl Page<'_> {
                         _ => None,
                     });
                     let why = why.unwrap_or_default();
-                    format!("{}, {}: {}. {why}", item.name, item.beside, item.said)
+                    format!("{}, {}: {}. {why}", item.name, item.beside, item.badge)
                 });
                 let summary = format!("{} not resolved", group.len());
                 blocks.push(Block::folded(summary, Block::List(sentences.collect())));
@@ -106,7 +106,7 @@ impl Page<'_> {
             id: id(place),
             name,
             mark: gravest.map_or(Mark::Muted, |entry| mark(&entry.result)),
-            said: match gravest {
+            badge: match gravest {
                 Some(entry) => words::verdict(&entry.result, relative),
                 None => Verdict::NotCompared.word().to_owned(),
             },
@@ -128,7 +128,7 @@ impl Page<'_> {
         let item = Item {
             id: format!("alone-{}", engine.name),
             mark: mark(worst),
-            said: words::verdict(worst, relative),
+            badge: words::verdict(worst, relative),
             beside,
             open: worst.rank() == 4,
             blocks: self.judged(&name, rows),
@@ -218,8 +218,8 @@ impl Page<'_> {
             .text("", "largest difference", |entry| {
                 let quantity = words::quantity(self.comparison, &entry.quantity);
                 let metrics = entry.metrics.as_ref();
-                let found = metrics.and_then(|metrics| largest(metrics, quantity));
-                found.unwrap_or_else(|| NONE.to_owned())
+                let worst = metrics.and_then(|metrics| largest(metrics, quantity));
+                worst.unwrap_or_else(|| NONE.to_owned())
             })
             .done()
     }

@@ -100,7 +100,7 @@ impl<'a> Page<'a> {
                 table = table
                     .number("", name, |(i, _)| Some(result(*i)?.difference?.abs()))
                     .said(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
-                    .shaded(|(i, _)| result(*i).map(|found| shade(found.share())))
+                    .shaded(|(i, _)| result(*i).map(|result| shade(result.share())))
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
                     .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
             }
@@ -240,7 +240,7 @@ impl<'a> Page<'a> {
             .text("", "Settings and notes", |e| {
                 let notes = e.cost.recorded.iter().chain(&e.cost.notes);
                 let all = [&e.cost.settings].into_iter().chain(notes);
-                joined("; ", all.filter(|said| !said.is_empty()))
+                joined("; ", all.filter(|text| !text.is_empty()))
             });
         Section::new("costs", "Costs")
             .with("Times are of this machine and now, but for those of recorded and kept runs; counts are not.")
@@ -270,11 +270,11 @@ impl<'a> Page<'a> {
 }
 
 /// Returns the decisive figure with its uncertainty, or else its metric.
-fn decisive(found: &Assessment) -> String {
-    let figure = format::relative_or_none(found.difference.map(f64::abs));
-    match found.combined() {
+fn decisive(result: &Assessment) -> String {
+    let figure = format::relative_or_none(result.difference.map(f64::abs));
+    match result.combined() {
         Some(u) => format!("{figure} \u{b1}\u{202f}{}", format::relative(u)),
-        None => format!("{figure} {}", found.metric.map_or("", Metric::label)),
+        None => format!("{figure} {}", result.metric.map_or("", Metric::label)),
     }
 }
 
@@ -311,7 +311,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
     let reasons = distinct(rows.iter().filter_map(of));
-    let said = reasons.into_iter().map(|reason| {
+    let texts = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
         let whose = match without.clone().count() == rows.len() {
             true => String::new(),
@@ -322,7 +322,7 @@ fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
         };
         format!("No efficiency{whose}: {reason}.").into()
     });
-    said.collect()
+    texts.collect()
 }
 
 #[cfg(test)]

@@ -9,8 +9,8 @@ use pinwheel_timeseries::table::{Mark, Table};
 use super::words;
 
 /// Returns a line for every judged engine.
-pub(super) fn facts(found: &Outcome) -> impl Iterator<Item = Fact> {
-    found.stages.iter().map(|located| {
+pub(super) fn facts(outcome: &Outcome) -> impl Iterator<Item = Fact> {
+    outcome.stages.iter().map(|located| {
         let mark = match located.first() {
             Some(_) => Mark::Bad,
             None => Mark::Warn,
@@ -20,15 +20,15 @@ pub(super) fn facts(found: &Outcome) -> impl Iterator<Item = Fact> {
     })
 }
 
-/// True if a stage of that engine is named.
-pub(super) fn names(found: &Outcome, engine: &str) -> bool {
-    let mut stages = found.stages.iter();
+/// True if the first deviating stage of the engine was located.
+pub(super) fn names(outcome: &Outcome, engine: &str) -> bool {
+    let mut stages = outcome.stages.iter();
     stages.any(|located| located.run == engine && located.first().is_some())
 }
 
 /// Returns the stages of every judged engine, with its residuals.
-pub(super) fn section(found: &Outcome) -> Option<Section> {
-    let blocks: Vec<Block> = found.stages.iter().flat_map(blocks).collect();
+pub(super) fn section(outcome: &Outcome) -> Option<Section> {
+    let blocks: Vec<Block> = outcome.stages.iter().flat_map(blocks).collect();
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 
@@ -47,11 +47,11 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
     };
-    let said = match (&located.cause, located.first()) {
+    let cause = match (&located.cause, located.first()) {
         (None, Some(_)) => located.off(),
         _ => located.in_full(),
     };
-    let title = format!("{}: {said}", words::short(&located.run));
+    let title = format!("{}: {cause}", words::short(&located.run));
     let table = Table::of(&title, &located.stages)
         .text("", "Stage", |judged| judged.stage.name())
         .text("", "Verdict", |judged| word(judged))
@@ -70,7 +70,7 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
 /// Residuals below are roundings.
 const ROUNDING: f64 = 1e-12;
 
-/// Residual of a stage over whatever it is drawn over, with the bound from which the stage is off.
+/// Returns the chart of a stage's residual over time, pins or lobe, with the bound above which the stage deviates.
 fn chart(located: &Located, picture: &Picture) -> Chart {
     let (stage, names) = (picture.stage, picture.names.iter().enumerate());
     let (x, over, style) = match picture.over {

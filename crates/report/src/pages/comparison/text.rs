@@ -21,8 +21,8 @@ use crate::pages::band;
 
 /// Returns the answer on at most one screen, without the path of the page. Notes on measured data are shortened until it
 /// fits, then the reasons of excluded engines. [`details`] has every note and reason.
-pub fn text(scene: &Scene, found: &Outcome) -> String {
-    let answer = Answer::new(found, share);
+pub fn text(scene: &Scene, outcome: &Outcome) -> String {
+    let answer = Answer::new(outcome, share);
     let trust = answer.trust();
     let notes = trust.iter().filter(|fact| is_note(fact)).count();
     let fewer = (0..answer::MOST).rev().map(|reasons| (0, reasons));
@@ -30,7 +30,7 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     let rooms = room.chain(fewer);
     let mut texts = rooms.map(|room| with_notes(scene, &answer, &trust, room));
     let shortest = texts.next_back().unwrap_or_default();
-    // One more line has the page's path.
+    // The path of the page takes one more line.
     texts
         .find(|text| text.lines().count() < SCREEN)
         .unwrap_or(shortest)
@@ -41,7 +41,7 @@ fn is_note(fact: &Fact) -> bool {
     fact.label == answer::DATA
 }
 
-/// Returns the answer with the given numbers of notes on measured data and of reasons of excluded engines.
+/// Returns the answer, limited to these numbers of notes on measured data and of reasons of excluded engines.
 fn with_notes(
     scene: &Scene,
     answer: &Answer<'_>,
@@ -51,7 +51,7 @@ fn with_notes(
     let title = paragraph(&crate::pages::title(scene));
     let mut text = format!("{}\n\n", styled(TITLE, &title));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
-    text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
+    text += &terminal::pairs(figures(answer.outcome).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);
         // Shortened to fit on one line.
         let bounds = one.detail.replace("by contact law", "by law");
@@ -90,13 +90,13 @@ fn with_notes(
 const SCREEN: usize = 30;
 
 /// Returns the text with every figure and every verdict.
-pub fn details(found: &Outcome) -> String {
-    let comparison = &found.comparison;
+pub fn details(outcome: &Outcome) -> String {
+    let comparison = &outcome.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
     text += &terminal::facts(&answer::left_out_facts(&answer::left_out(comparison)));
     let tables = [measured(comparison), pairs(comparison)].into_iter();
     let tables = tables.filter(|table| !table.is_empty());
-    let bands = found
+    let bands = outcome
         .bands
         .iter()
         .map(|bands| terminal::pairs(band::rows(bands)));
@@ -105,13 +105,13 @@ pub fn details(found: &Outcome) -> String {
     }
     let remarks = words::of_windows(comparison).chain(budgets(comparison));
     let remarks = remarks.chain(words::of_measured(comparison));
-    let twins = found.twins.iter().filter_map(super::twins::line);
+    let twins = outcome.twins.iter().filter_map(super::twins::line);
     text + &terminal::paragraphs(remarks.chain(twins))
 }
 
 /// Returns the verdict in a sentence.
-pub fn verdict(found: &Outcome) -> String {
-    let (_, word, why) = Answer::new(found, share).judged();
+pub fn verdict(outcome: &Outcome) -> String {
+    let (_, word, why) = Answer::new(outcome, share).judged();
     format!("{word}: {why}")
 }
 
@@ -170,7 +170,7 @@ fn engines(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// Returns the verdict on a single engine, its balance with the load; without figures the reason in a word, given in full
+/// Returns the verdict on a single engine: its balance with the load, or without figures the reason in a word, explained
 /// below the table.
 fn own_verdict(engine: &EngineSummary) -> Said {
     if engine.status.reason().is_some() {
@@ -206,9 +206,9 @@ fn measured(comparison: &Comparison) -> Table {
             .unit("%")
             .shown(Shown::Percent);
     }
-    let said = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
+    let verdict = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
     table
-        .text("", "verdict", |(_, entry, _)| said(entry))
+        .text("", "verdict", |(_, entry, _)| verdict(entry))
         .done()
 }
 
@@ -240,20 +240,20 @@ fn pairs(comparison: &Comparison) -> Table {
             let graver = rank(a.1).cmp(&rank(b.1));
             graver.then(a.1.result.share().total_cmp(&b.1.result.share()))
         });
-        let said = worst.map_or_else(Said::default, |(pair, entry)| {
-            let said = words::verdict(&entry.result, brief_number);
-            (format!("{}: {said}", name(pair)), mark(&entry.result))
+        let verdict = worst.map_or_else(Said::default, |(pair, entry)| {
+            let verdict = words::verdict(&entry.result, brief_number);
+            (format!("{}: {verdict}", name(pair)), mark(&entry.result))
         });
-        rows.push((shares.to_owned(), Some(counts), said));
+        rows.push((shares.to_owned(), Some(counts), verdict));
     }
     let known = comparison.pairs.iter();
     let known = known.filter_map(|pair| Some((pair, words::gravest(pair)?)));
     let mut open: Vec<(&Pair, &PairEntry)> = known.filter(|(_, e)| e.result.actionable).collect();
     open.sort_by_key(|(_, entry)| std::cmp::Reverse(entry.result.rank()));
     for (pair, entry) in open.into_iter().take(LISTED) {
-        let said = words::verdict(&entry.result, brief_number);
-        let said = format!("{said}; {}", place(entry));
-        rows.push((name(pair), None, (said, mark(&entry.result))));
+        let verdict = words::verdict(&entry.result, brief_number);
+        let verdict = format!("{verdict}; {}", place(entry));
+        rows.push((name(pair), None, (verdict, mark(&entry.result))));
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)
@@ -262,7 +262,7 @@ fn pairs(comparison: &Comparison) -> Table {
         .whole("", "inconcl.", |(_, counts, _)| {
             Some((*counts)?.inconclusive)
         })
-        .text("", "at worst", |(.., (said, _))| said)
+        .text("", "at worst", |(.., (verdict, _))| verdict)
         .marked(|(.., (_, mark))| *mark)
         .done()
 }

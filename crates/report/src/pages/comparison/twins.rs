@@ -39,8 +39,8 @@ pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
 }
 
 /// Returns the table for a page.
-pub(super) fn blocks(found: &Outcome) -> Vec<Block> {
-    let rows = found.twins.iter();
+pub(super) fn blocks(outcome: &Outcome) -> Vec<Block> {
+    let rows = outcome.twins.iter();
     let rows = rows.flat_map(|twin| twin.figures.iter().map(move |figure| (twin, figure)));
     let table = Table::of("Engines with contacts of their own, like with like", rows)
         .text("", "Engine", |(twin, _)| &twin.engine)

@@ -31,43 +31,45 @@ pub(super) fn label<'a>(comparison: &'a Comparison, name: &'a str) -> &'a str {
 }
 
 /// Returns a verdict with its numbers, formatted by `number`.
-pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
-    let word = found.verdict.word();
-    let known = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
-    if found.verdict == Verdict::Inconclusive {
-        return match found.combined() {
+pub(super) fn verdict(result: &Assessment, number: fn(f64) -> String) -> String {
+    let word = result.verdict.word();
+    let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
+    if result.verdict == Verdict::Inconclusive {
+        return match result.combined() {
             Some(sum) => format!("{word}, U = {}", number(sum)),
             None => word.to_owned(),
         };
     }
-    let interval = found.interval().map(|[low, high]| {
-        let aim = match found.predicted {
+    let interval = result.interval().map(|[low, high]| {
+        let aim = match result.predicted {
             0.0 => String::new(),
             predicted => format!(", {} predicted", number(predicted)),
         };
         format!("{} to {}{aim}", number(low), number(high))
     });
-    match (found.verdict, found.against, interval) {
+    match (result.verdict, result.against, interval) {
         (Verdict::NotCompared, _, Some(interval)) => format!("{word}, models {interval}"),
         (_, Against::ModelTolerance, Some(interval)) => {
-            let tolerance = found.tolerance.filter(|t| *t > 0.0);
+            let tolerance = result.tolerance.filter(|t| *t > 0.0);
             let tolerance = tolerance.map(|t| format!(", tolerance {}", number(t)));
             format!("{word}, models {interval}{}", tolerance.unwrap_or_default())
         }
-        (Verdict::Agree, Against::NumericalError, _) => format!("{word} to {}", known(found.bound)),
+        (Verdict::Agree, Against::NumericalError, _) => {
+            format!("{word} to {}", text(result.bound))
+        }
         (Verdict::Differ, Against::NumericalError, _) => {
-            let both = found.difference.zip(found.bound);
-            let off = known(both.map(|(d, bound)| d - bound));
+            let both = result.difference.zip(result.bound);
+            let off = text(both.map(|(d, bound)| d - bound));
             format!("{word} by at least {off}")
         }
         (Verdict::Agree, Against::Measurement, _) => {
-            format!("{word}, no model error above {}", known(found.bound))
+            format!("{word}, no model error above {}", text(result.bound))
         }
         (Verdict::Differ, Against::Measurement, Some(interval)) => {
             format!("{word}, model error {interval}")
         }
-        (Verdict::Agree | Verdict::Differ, Against::Limit, _) => match found.difference {
-            Some(_) => format!("{word}, {:.0} % of the limit", 100.0 * found.share()),
+        (Verdict::Agree | Verdict::Differ, Against::Limit, _) => match result.difference {
+            Some(_) => format!("{word}, {:.0} % of the limit", 100.0 * result.share()),
             None => format!("{word}, not finite"),
         },
         _ => word.to_owned(),
@@ -139,11 +141,11 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
 }
 
 /// Returns the participant that leaves a verdict inconclusive, with the reason and a remedy if there is one.
-pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
-    let who = found.participant.clone()?;
-    let why = match found.remedy.as_str() {
-        "" => found.reason.clone(),
-        remedy => format!("{}; {remedy}", found.reason),
+pub(super) fn why(result: &Assessment) -> Option<(String, String)> {
+    let who = result.participant.clone()?;
+    let why = match result.remedy.as_str() {
+        "" => result.reason.clone(),
+        remedy => format!("{}; {remedy}", result.reason),
     };
     Some((who, why))
 }

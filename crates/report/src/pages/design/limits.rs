@@ -15,7 +15,7 @@ fn with_unit(limit: &Limit, value: Option<f64>) -> String {
     format!("{value} {}", limit.def.unit).trim_end().to_owned()
 }
 
-/// Formats a margin; two digits would round what is next to the limit onto it.
+/// Formats a margin with three digits, because two round a margin near 1 to 1.
 fn margin(margin: f64) -> String {
     significant(margin, 3)
 }
@@ -31,13 +31,13 @@ pub fn answer(limits: &Limits) -> (String, String) {
     let Some((limit, by)) = limits.tightest().zip(limits.margin.map(margin)) else {
         return ("not judged".to_owned(), String::new());
     };
-    let said = match limits.bears_its_load {
+    let word = match limits.bears_its_load {
         Answer::Yes => format!("yes, margin {by}"),
         Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
         _ => format!("margin {by}, as far as judged"),
     };
     let (name, allowed) = (named(limit), with_unit(limit, limit.permissible));
-    (said, format!("{name}: {allowed} by {}", limit.source))
+    (word, format!("{name}: {allowed} by {}", limit.source))
 }
 
 /// Returns the answer as a sentence.
@@ -53,7 +53,7 @@ pub(super) fn unjudged(limits: &Limits) -> Option<String> {
     Some(joined("; ", open)).filter(|open| !open.is_empty())
 }
 
-/// Mark of the answer: nothing that was not judged is good.
+/// Returns the mark of the answer, which is good only if every limit was judged.
 fn mark(limits: &Limits) -> Mark {
     match limits.bears_its_load {
         Answer::Yes => Mark::Good,
@@ -64,14 +64,14 @@ fn mark(limits: &Limits) -> Mark {
 }
 
 pub(crate) fn tile(limits: &Limits) -> Tile {
-    let (said, why) = answer(limits);
+    let (word, why) = answer(limits);
     let open = || limits.each.iter().filter(|limit| limit.margin.is_none());
     let why = match open().next() {
         Some(first) if open().count() == limits.each.len() => first.source.clone(),
-        // Its source stands in the table.
+        // The table has the source of the limit.
         _ => why.split(" by ").next().unwrap_or_default().to_owned(),
     };
-    Question::Bears.answered(mark(limits), said, why)
+    Question::Bears.answered(mark(limits), word, why)
 }
 
 /// Tile of two gears: their margins, and the decisive limit of the second.

@@ -8,8 +8,8 @@ use pinwheel_timeseries::table::Table;
 use super::curves::{Drawn, chart, degrees, line, of_design};
 
 /// Returns the name of the parts that carry discs on the output's side.
-fn inner(found: &DesignResult) -> &'static str {
-    match found.scene.cranks {
+fn inner(design: &DesignResult) -> &'static str {
+    match design.scene.cranks {
         Some(_) => "Crank bearings",
         None => "Output pins",
     }
@@ -18,17 +18,17 @@ fn inner(found: &DesignResult) -> &'static str {
 /// Returns charts of the force over the angle, of ring pins, and of output pins or crank bearings.
 pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     let of = |(stage, title): (usize, &str)| {
-        let series = designs.iter().enumerate().map(|(k, (_, found))| {
-            let sharing = &found.sharing[stage];
+        let series = designs.iter().enumerate().map(|(k, (_, design))| {
+            let sharing = &design.sharing[stage];
             // Angles without a touching pin in any pose are not zeros of a curve.
             let all = sharing.place_deg.iter().zip(&sharing.force_n);
             let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
             of_design(designs, k, (0, "largest force"), line(&x, &y))
         });
         let note = match designs {
-            [(_, found)] => {
-                let touching = number(found.sharing[stage].touching.mean);
-                match (stage, found.scene.cranks) {
+            [(_, design)] => {
+                let touching = number(design.sharing[stage].touching.mean);
+                match (stage, design.scene.cranks) {
                     (1, Some(_)) => format!("{touching} bearings of a disc carry on average."),
                     _ => format!("{touching} pins touch a disc on average."),
                 }
@@ -41,16 +41,16 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             ..chart(title, x, y, series.collect())
         }
     };
-    let inner = designs.first().map(|(_, found)| inner(found));
+    let inner = designs.first().map(|(_, design)| inner(design));
     let stages = ["Ring pins", inner.unwrap_or("Output pins")];
     stages.into_iter().enumerate().map(of).collect()
 }
 
-pub(super) fn sharing(found: &DesignResult) -> Section {
+pub(super) fn sharing(design: &DesignResult) -> Section {
     // Cranks carry no pins.
-    let kinds = if found.scene.cranks.is_some() { 1 } else { 2 };
-    let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
-    let rows = sharing.take(kinds).zip(&found.pressure);
+    let kinds = if design.scene.cranks.is_some() { 1 } else { 2 };
+    let sharing = ["external", "internal"].into_iter().zip(&design.sharing);
+    let rows = sharing.take(kinds).zip(&design.pressure);
     let rows = rows.map(|((pins, force), pressure)| (pins, force, pressure));
     let contacts = Table::of("Contacts under the rated load", rows)
         .text("", "Pins", |(pins, ..)| *pins)
@@ -65,18 +65,18 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
              line contact after Hertz over the face width; the edges of discs and pins are left out, and press harder. Sliding is that of the \
              disc on pins that do not turn.",
         )
-        .with(sharing_charts(&[("", found)]))
+        .with(sharing_charts(&[("", design)]))
         .with(contacts)
 }
 
 /// Returns the chart of the force on the most loaded bearing over the period of each.
 pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
-    for (k, (_, found)) in designs.iter().enumerate() {
-        let Some(bearing) = found.most_loaded() else {
+    for (k, (_, design)) in designs.iter().enumerate() {
+        let Some(bearing) = design.most_loaded() else {
             continue;
         };
-        let turn = degrees(&found.input_angle_rad);
+        let turn = degrees(&design.input_angle_rad);
         for (part, force) in [
             ((0, "away from the input's axis"), &bearing.radial_n),
             ((1, "around the input's axis"), &bearing.tangential_n),
@@ -89,8 +89,8 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
 }
 
 /// Returns the harmonics of the force component that only loads the bearing.
-fn bearing_orders(found: &DesignResult) -> Chart {
-    let wheel = found.most_loaded().into_iter();
+fn bearing_orders(design: &DesignResult) -> Chart {
+    let wheel = design.most_loaded().into_iter();
     let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);
     let (orders, sizes): (Vec<f64>, Vec<f64>) =
         harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
@@ -100,8 +100,8 @@ fn bearing_orders(found: &DesignResult) -> Chart {
     Chart::new("Orders of the force", x, y, vec![points])
 }
 
-pub(super) fn bearings(found: &DesignResult) -> Section {
-    let (title, carried) = match found.scene.cranks {
+pub(super) fn bearings(design: &DesignResult) -> Section {
+    let (title, carried) = match design.scene.cranks {
         Some(_) => (
             "Force on a disc",
             "What the contacts press on a disc, the bearings of its cranks carry together, beside what turns the output.",
@@ -112,13 +112,13 @@ pub(super) fn bearings(found: &DesignResult) -> Section {
              the part away from it only loads the bearing.",
         ),
     };
-    let others = match found.scene.gear.errors.is_none() {
+    let others = match design.scene.gear.errors.is_none() {
         true => "the others follow a share of a turn later",
         false => "no other carries more",
     };
-    let most = found.most_loaded().map_or(0, |bearing| bearing.wheel);
-    let all = found.bearings.len();
+    let most = design.most_loaded().map_or(0, |bearing| bearing.wheel);
+    let all = design.bearings.len();
     Section::new("bearings", title)
         .with(format!("{carried} Disc {most} of {all}; {others}."))
-        .with(vec![bearing_chart(&[("", found)]), bearing_orders(found)])
+        .with(vec![bearing_chart(&[("", design)]), bearing_orders(design)])
 }

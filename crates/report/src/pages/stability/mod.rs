@@ -11,7 +11,7 @@ use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 /// Returns the page.
-pub fn page(atlas: &Atlas, made: &Provenance) -> String {
+pub fn page(atlas: &Atlas, origin: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
     sections.insert(0, scenes(atlas));
     let study = Study {
@@ -26,7 +26,7 @@ pub fn page(atlas: &Atlas, made: &Provenance) -> String {
         sections,
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn verdict(atlas: &Atlas) -> Verdict {
@@ -155,7 +155,8 @@ fn scenes(atlas: &Atlas) -> Section {
     Section::new("scenes", "Scenes").with(scenes).with(why)
 }
 
-/// Returns the text for a terminal: the number of scenes in which each method gives the right picture, its smallest step or largest error; without the place of the page.
+/// Returns the text for a terminal, without the path of the page: number of scenes that each method resolves, and its
+/// smallest step or largest error.
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
     let cells = |place: usize| {

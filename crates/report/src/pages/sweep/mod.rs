@@ -23,7 +23,7 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// Returns the page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> String {
+pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, origin: &Provenance) -> String {
     let unfinished = sweep::broken(rows).count();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
@@ -106,32 +106,33 @@ pub fn page(plan: &Plan, rows: &[Row<'_>], table: &Table, made: &Provenance) -> 
         versions: versions.collect(),
         ..Study::default()
     };
-    crate::pages::render(study, made)
+    crate::pages::render(study, origin)
 }
 
 fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Decision {
     let sweep = &plan.sweep;
     let engines = sweep.engines.len();
-    let said = counted(engines, "engine", "engines");
-    let right = Question::Right.answered(Mark::warn(engines == 1), said, sweep.engines.join(", "));
+    let count = counted(engines, "engine", "engines");
+    let right = Question::Right.answered(Mark::warn(engines == 1), count, sweep.engines.join(", "));
     let bears = tolerances::bears(sampled);
     let sampled = tolerances::sure(plan, sampled);
     let sure = first.map(|figure| {
         let known = figure.values.iter().zip(&figure.uncertainty);
         let shares = known.filter_map(|(value, off)| Some(off.as_ref()? / value.as_ref()?.abs()));
         let widest = shares.filter(|share| share.is_finite()).reduce(f64::max);
-        let said = widest.map_or("not known".to_owned(), |widest| {
+        let answer = widest.map_or("not known".to_owned(), |widest| {
             format!("to {}", relative(widest))
         });
         let why = format!("{}, numerical", figure.label);
-        Question::Sure.answered(Mark::warn(widest.is_none()), said, why)
+        Question::Sure.answered(Mark::warn(widest.is_none()), answer, why)
     });
     let command = format!("pinwheel compare {}", sweep.scene);
     let next = Tile::next(&command, "whether other engines agree on the scene");
     [Some(right), bears, sampled.or(sure), Some(next)]
 }
 
-/// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
+/// Returns the range of the first figure over the runs with its uncertainty, or the statement that no trend exceeds the
+/// uncertainty.
 fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     let figure = grid.figures.first()?;
     let parts = |label: &str| -> (String, String) {
@@ -324,8 +325,8 @@ fn runs(plan: &Plan, rows: &[Row<'_>]) -> Vec<Block> {
     // Figures are shaded from the column's least to its largest.
     for column in &mut shown.columns {
         if let Some(place) = plan.keys().position(|key| key == column.name) {
-            let said = |run: usize| Some(plan.values(run)[place].to_string());
-            column.said = (0..first.len()).map(said).collect();
+            let value = |run: usize| Some(plan.values(run)[place].to_string());
+            column.said = (0..first.len()).map(value).collect();
             continue;
         }
         let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();

@@ -24,7 +24,7 @@ const SHOWN: [(&str, &str, &str); 3] = [
 /// Returns the list of planned runs.
 ///
 /// # Errors
-/// A run that cannot be made.
+/// Run with an invalid scene.
 pub fn list(plan: &Plan) -> Result<String, StudyError> {
     let engines = (0..plan.len()).map(|run| Ok(plan.run(run)?.engine.name().to_owned()));
     let engines = engines.collect::<Result<Vec<String>, StudyError>>()?;
@@ -53,7 +53,7 @@ pub fn text(plan: &Plan, rows: &[Row<'_>], table: &Table, files: &[(&str, String
     let cpu: f64 = rows.iter().map(|row| row.cpu_s).sum();
     let simulated_s = simulated_s(plan);
     let row = |label: &str, value: String| (label.to_owned(), value);
-    let mut said = vec![
+    let mut facts = vec![
         row("runs", runs.join(", ")),
         row("varied", joined(", ", plan.keys())),
         row(
@@ -66,38 +66,38 @@ pub fn text(plan: &Plan, rows: &[Row<'_>], table: &Table, files: &[(&str, String
     if let Some(Ending::Unsupported { reason }) = refused.next().map(|row| row.ending()) {
         let all = rows.len();
         let words = format!("{none} of {all} runs, lost yield; the first: {reason}");
-        said.push(row("no gear", words));
+        facts.push(row("no gear", words));
     }
     let idle = sweep::idle(plan, rows);
     if !idle.is_empty() {
         let words = format!("{} on this scene: runs equal to the bit", idle.join(", "));
-        said.push(row("no effect", words));
+        facts.push(row("no effect", words));
     }
     let moving = || rows.iter().filter(|row| !row.quantities().is_empty());
     if moving().next().is_some() && moving().all(|row| row.uncertainty.is_none()) {
         let remedy = "not known; solver.integrator = \"auto\" verifies every run";
-        said.push(row("numerical error", remedy.to_owned()));
+        facts.push(row("numerical error", remedy.to_owned()));
     }
     let sampled = sweep::tolerances(plan, table);
-    for found in &sampled {
+    for sample in &sampled {
         if sampled.len() > 1 {
-            said.push(row("sample", tolerances::place(found)));
+            facts.push(row("sample", tolerances::place(sample)));
         }
-        if let Some(of) = &found.yielded {
-            said.push(row("yield", tolerances::yield_in_words(of)));
+        if let Some(of) = &sample.yielded {
+            facts.push(row("yield", tolerances::yield_in_words(of)));
         }
-        let shown = tolerances::shown(plan, found).into_iter();
+        let shown = tolerances::shown(plan, sample).into_iter();
         for figure in shown.take(MOST_FIGURES) {
             let name = tolerances::in_full(&figure.def);
-            said.push(row(&name, tolerances::in_words(figure)));
+            facts.push(row(&name, tolerances::in_words(figure)));
         }
     }
     let result = match sampled.is_empty() {
         true => result(plan, rows),
         false => String::new(),
     };
-    said.extend(files.iter().map(|(word, place)| row(word, place.clone())));
-    titled(&plan.sweep.name, [result, pairs(said)])
+    facts.extend(files.iter().map(|(word, place)| row(word, place.clone())));
+    titled(&plan.sweep.name, [result, pairs(facts)])
 }
 
 /// Returns a table of the varied keys and the largest forces and mean torque of each run, or of the first ones.

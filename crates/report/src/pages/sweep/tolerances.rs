@@ -21,7 +21,7 @@ const DIGITS: usize = 4;
 const STRAIGHT: f64 = 0.7;
 
 /// Returns the figures: those of the specification, then balances and means, then the others.
-pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
+pub(super) fn shown<'a>(plan: &Plan, sample: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {
         let key = &figure.def.key;
@@ -29,27 +29,27 @@ pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureO
         let other = ["min_", "max_", "rms_"].iter().any(|p| key.starts_with(p));
         place.unwrap_or(limits.len() + usize::from(other))
     };
-    let mut figures: Vec<&FigureOfSample> = found.figures.iter().collect();
+    let mut figures: Vec<&FigureOfSample> = sample.figures.iter().collect();
     figures.sort_by_key(rank);
     figures.truncate(MOST_FIGURES);
     figures
 }
 
 /// Returns e.g. `94.3 % of 1000 runs keep the specification (with 95 % confidence 92.7 to 95.6 %)`.
-pub(super) fn yield_in_words(found: &Yield) -> String {
-    let [low, high] = found.interval.map(|share| 100.0 * share);
+pub(super) fn yield_in_words(yielded: &Yield) -> String {
+    let [low, high] = yielded.interval.map(|share| 100.0 * share);
     format!(
         "{:.1} % of {} runs keep the specification (with 95 % confidence {low:.1} to {high:.1} %)",
-        100.0 * found.share,
-        found.runs
+        100.0 * yielded.share,
+        yielded.runs
     )
 }
 
 /// Returns engine and other varied keys of a sample.
-pub(super) fn place(found: &SampleResult) -> String {
-    let varied = found.varied.iter();
+pub(super) fn place(sample: &SampleResult) -> String {
+    let varied = sample.varied.iter();
     let varied = varied.map(|(key, value)| format!("{key} = {value}"));
-    joined(", ", [found.engine.clone()].into_iter().chain(varied))
+    joined(", ", [sample.engine.clone()].into_iter().chain(varied))
 }
 
 /// Returns the decisive keys of a figure with their share of the variance.
@@ -72,16 +72,17 @@ pub(super) fn decides(figure: &FigureOfSample) -> String {
 /// Least number of runs for tails beyond the outer quantiles.
 const TAILS: usize = 20;
 
-/// Returns `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`; for few runs their ends, without spread the value alone.
+/// Returns e.g. `8.2, 90 % of runs from 7.9 to 8.4; backlash_m 86 %`. Few runs show their extremes in place of quantiles,
+/// equal runs the value alone.
 pub(super) fn in_words(figure: &FigureOfSample) -> String {
     let [low, middle, high] = between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
-    let said = |value| significant(value, DIGITS);
+    let rounded = |value| significant(value, DIGITS);
     let [low, high] = if figure.count < TAILS {
         figure.range
     } else {
         [low, high]
     };
-    let (middle, [from, to]) = (said(middle), [low, high].map(said));
+    let (middle, [from, to]) = (rounded(middle), [low, high].map(rounded));
     let spread = match figure.count {
         count if low == high => format!("in all {count} runs"),
         count if count < TAILS => format!("{count} runs from {from} to {to}"),
@@ -102,8 +103,8 @@ pub(super) fn in_full(def: &FigureDef) -> String {
 }
 
 /// Returns the verdict of a sweep with a specification, by its worst sample.
-pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
-    let yields = found.iter().filter_map(|f| Some((f, f.yielded.as_ref()?)));
+pub(super) fn verdict(all: &[SampleResult]) -> Option<Verdict> {
+    let yields = all.iter().filter_map(|f| Some((f, f.yielded.as_ref()?)));
     let (worst, of) = yields.min_by(|a, b| a.1.share.total_cmp(&b.1.share))?;
     let [low, high] = of.interval.map(|share| 100.0 * share);
     Some(Verdict {
@@ -119,8 +120,8 @@ pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
 }
 
 /// Returns the distribution of the first figure of a sample, with the decisive keys.
-pub(super) fn spread(plan: &Plan, found: &[SampleResult]) -> Option<Verdict> {
-    let figure = *shown(plan, found.first()?).first()?;
+pub(super) fn spread(plan: &Plan, samples: &[SampleResult]) -> Option<Verdict> {
+    let figure = *shown(plan, samples.first()?).first()?;
     let words = in_words(figure);
     let (headline, keys) = words.split_once("; ").unwrap_or((&words, "no single key"));
     Some(Verdict {
@@ -131,8 +132,8 @@ pub(super) fn spread(plan: &Plan, found: &[SampleResult]) -> Option<Verdict> {
 }
 
 /// Tile of the yield of the worst sample.
-pub(super) fn bears(found: &[SampleResult]) -> Option<Tile> {
-    let verdict = verdict(found)?;
+pub(super) fn bears(samples: &[SampleResult]) -> Option<Tile> {
+    let verdict = verdict(samples)?;
     let mark = match verdict.tone {
         Tone::Good => Mark::Good,
         _ => Mark::Warn,
@@ -141,28 +142,28 @@ pub(super) fn bears(found: &[SampleResult]) -> Option<Tile> {
 }
 
 /// Tile of the confidence in the median of the first figure of a sample.
-pub(super) fn sure(plan: &Plan, found: &[SampleResult]) -> Option<Tile> {
-    let figure = *shown(plan, found.first()?).first()?;
+pub(super) fn sure(plan: &Plan, samples: &[SampleResult]) -> Option<Tile> {
+    let figure = *shown(plan, samples.first()?).first()?;
     let median = between(figure)[1]?;
     let off = |end: Option<f64>| Some((end? / median.value - 1.0).abs());
     let [below, above] = median.interval.map(off);
-    let said = format!("to {}", relative(below?.max(above?)));
+    let answer = format!("to {}", relative(below?.max(above?)));
     let (label, runs) = (&figure.def.label, figure.count);
     let why = format!("median of {label} over {runs} runs, with 95 % confidence");
-    Some(Question::Sure.answered(Mark::None, said, why))
+    Some(Question::Sure.answered(Mark::None, answer, why))
 }
 
-/// The section of a sample.
+/// Returns the section on samples within the tolerances.
 pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Section {
     let mut blocks = Vec::new();
-    for found in all {
+    for sample in all {
         if all.len() > 1 {
-            blocks.push(Block::heading(place(found)));
+            blocks.push(Block::heading(place(sample)));
         }
-        if let Some(of) = &found.yielded {
+        if let Some(of) = &sample.yielded {
             blocks.push(limits(&plan.sweep.specification, of));
         }
-        blocks.extend(figures(plan, found));
+        blocks.extend(figures(plan, sample));
     }
     if let [one] = all {
         let charts = charts(plan, table, one);
@@ -191,7 +192,7 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
         .into()
 }
 
-fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
+fn figures(plan: &Plan, sample: &SampleResult) -> [Block; 2] {
     let quantile = |of: Option<&Quantile>| {
         let of = of?;
         let end = |end: Option<f64>| end.map_or("open".to_owned(), |x| significant(x, DIGITS));
@@ -199,8 +200,8 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
         Some(format!("{value} ({low} to {high})"))
     };
     let digits = Shown::Digits(DIGITS as u8);
-    let shown = shown(plan, found);
-    let mut spread = Table::of(format!("Figures over {} runs", found.runs), &shown)
+    let shown = shown(plan, sample);
+    let mut spread = Table::of(format!("Figures over {} runs", sample.runs), &shown)
         .text("", "Figure", |figure| in_full(&figure.def))
         .number("", "Mean", |figure| figure.mean)
         .shown(digits)
@@ -224,8 +225,8 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
 }
 
 /// Returns distributions of the first figures, with their limits.
-fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
-    let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
+fn charts(plan: &Plan, table: &Table, sample: &SampleResult) -> Vec<Chart> {
+    let figures = shown(plan, sample).into_iter().take(MOST_CHARTS);
     let chart = |figure: &FigureOfSample| {
         let Values::Number(values) = &table.column(&figure.def.key)?.values else {
             return None;
