@@ -390,9 +390,9 @@ impl Epitrochoid {
             }
         }
         // Padding to full lanes with the first place, which changes nothing.
-        let whole = xs.len().next_multiple_of(LANES);
-        xs.resize(whole, xs[0]);
-        ys.resize(whole, ys[0]);
+        let padded = xs.len().next_multiple_of(LANES);
+        xs.resize(padded, xs[0]);
+        ys.resize(padded, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
         // Lobes with an offset are not symmetric.

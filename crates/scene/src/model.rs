@@ -568,8 +568,8 @@ impl Gear {
 impl Solver {
     /// Returns the sample times 0, sample_s, 2 sample_s, ... and the end.
     pub fn sample_times_s(&self) -> Vec<f64> {
-        let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
-        let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
+        let n = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
+        let mut times: Vec<f64> = (0..=n).map(|k| k as f64 * self.sample_s).collect();
         // The end is a sample even if it is no multiple of the interval.
         match times.last_mut() {
             Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {

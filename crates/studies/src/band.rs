@@ -204,21 +204,21 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
         },
         |named| named.iter().map(String::as_str).collect(),
     );
-    let mut found = Vec::new();
+    let mut scenes = Vec::new();
     for law in named {
         if law != ROLLERS {
-            found.push((law.to_owned(), with(law, &|_| ())));
+            scenes.push((law.to_owned(), with(law, &|_| ())));
             continue;
         }
         // The depth of a disc behind a contact is the law's own uncertainty.
-        found.extend(DEPTHS.iter().map(|share| {
+        scenes.extend(DEPTHS.iter().map(|share| {
             let depth = share * parameters.disc_depth;
             let label = format!("{ROLLERS}, disc {:.1} mm deep", 1e3 * depth);
             let set = |scene: &mut Scene| scene.contact.disc_depth_m = Some(depth);
             (label, with(ROLLERS, &set))
         }));
     }
-    found
+    scenes
 }
 
 fn figures_of(scene: &Scene, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
@@ -233,9 +233,9 @@ fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, St
 }
 
 /// Returns `None` for what cannot be balanced.
-pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
-    match found {
-        Ok(found) => Ok(Some(found)),
+pub(crate) fn balanced<T>(solved: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
+    match solved {
+        Ok(solved) => Ok(Some(solved)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(_) => Ok(None),
     }
@@ -294,11 +294,11 @@ pub(crate) fn of_known(
     for (done, (label, scene)) in laws.into_iter().enumerate() {
         control.check()?;
         report(done, &format!("under {label}"));
-        let Some(found) = figures(&scene, control.cancel)? else {
+        let Some(figures) = figures(&scene, control.cancel)? else {
             continue;
         };
         names.push(label);
-        widen(&mut own, &found, |figure| &mut figure.by_contact_law);
+        widen(&mut own, &figures, |figure| &mut figure.by_contact_law);
     }
     let mut fits = Vec::new();
     for &cut_m in cuts {
@@ -366,12 +366,12 @@ fn over_fits(
         let gear = moved.iter().try_fold(scene.clone(), |gear, (key, value)| {
             gear.with_number(key, *value)
         });
-        let found = gear.map_err(|fault| StudyError::Input(fault.to_string()));
-        match found.and_then(|gear| figures_of(&gear, control.cancel)) {
-            Ok(found) => {
+        let solved = gear.map_err(|fault| StudyError::Input(fault.to_string()));
+        match solved.and_then(|gear| figures_of(&gear, control.cancel)) {
+            Ok(solved) => {
                 fits.gears += 1;
-                widen(own, &found, |figure| &mut figure.by_fit);
-                Ok(found)
+                widen(own, &solved, |figure| &mut figure.by_fit);
+                Ok(solved)
             }
             Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
             Err(why) => {

@@ -78,8 +78,8 @@ impl Outcome {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        Summary::new(made, self).write(dir)
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
+        Summary::new(origin, self).write(dir)
     }
 
     /// Returns the findings as a suite for CI systems.
@@ -95,7 +95,7 @@ impl Outcome {
 }
 
 /// Observation of a trial that passed.
-type Seen = Result<String, Miss>;
+type Observation = Result<String, Miss>;
 
 /// End of a trial that did not pass.
 enum Miss {
@@ -111,12 +111,12 @@ impl<E: Into<StudyError>> From<E> for Miss {
     }
 }
 
-fn failed<T>(seen: impl ToString) -> Result<T, Miss> {
-    Err(Miss::Ended(State::Failed, seen.to_string()))
+fn failed<T>(message: impl ToString) -> Result<T, Miss> {
+    Err(Miss::Ended(State::Failed, message.to_string()))
 }
 
-fn skipped<T>(seen: impl ToString) -> Result<T, Miss> {
-    Err(Miss::Ended(State::Skipped, seen.to_string()))
+fn skipped<T>(message: impl ToString) -> Result<T, Miss> {
+    Err(Miss::Ended(State::Skipped, message.to_string()))
 }
 
 /// Largest relative difference from the native run in the first sample of a solver that shares the law: rounding.
@@ -227,20 +227,20 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     for (done, trial) in TRIALS.iter().enumerate() {
         control.check()?;
         (control.progress)(Progress::new(done, TRIALS.len(), &trial.name));
-        let seen = match findings.first() {
+        let outcome = match findings.first() {
             Some(first) if first.state == State::Failed => skipped("it does not run"),
             _ => trials.make(trial),
         };
-        let (state, seen) = match seen {
-            Ok(seen) => (State::Passed, seen),
-            Err(Miss::Ended(state, seen)) => (state, seen),
+        let (state, outcome) = match outcome {
+            Ok(outcome) => (State::Passed, outcome),
+            Err(Miss::Ended(state, outcome)) => (state, outcome),
             Err(Miss::Study(error)) => return Err(error),
         };
         findings.push(Finding {
             name: &trial.name,
             must: &trial.must,
             state,
-            seen,
+            seen: outcome,
         });
     }
     let track = solver.track();
@@ -279,7 +279,7 @@ fn honoured(solver: &Solver) -> impl Iterator<Item = &'static str> {
 }
 
 impl Trials<'_> {
-    fn make(&self, trial: &Trial) -> Seen {
+    fn make(&self, trial: &Trial) -> Observation {
         let scene = self.scene("paper", &trial.set)?;
         match trial.name.as_str() {
             "runs" => self.runs(&scene),
@@ -332,7 +332,7 @@ impl Trials<'_> {
 
     /// Runs the solver or the native one; a run that does not finish is a miss of that `state`.
     fn run(&self, engine: &dyn Engine, scene: &CheckedScene, state: State) -> Result<Run, Miss> {
-        let ran = engine.run(scene, &self.control)?.whole();
+        let ran = engine.run(scene, &self.control)?.finished();
         ran.map_err(|ending| Miss::Ended(state, format!("{} {ending}", engine.name())))
     }
 
@@ -417,7 +417,7 @@ impl Trials<'_> {
             format!("{job:#}")
         };
         let run = self.solver.run_job(&gearbox, job, &self.control)?;
-        let row = run.whole().or_else(failed)?.time_series.select(&[0]);
+        let row = run.finished().or_else(failed)?.time_series.select(&[0]);
         let mut truth = TimeSeries::new(vec![0.0]).unwrap_or_default();
         let names = columns::of_gearbox(
             gearbox.layout.external_sleeves,
@@ -435,10 +435,11 @@ impl Trials<'_> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
             && self.stages.get().is_none()
-            && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
+            && let Some(located) =
+                of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
         {
-            let found = self.stages.get_or_init(|| found);
-            return failed(format!("{why}; {}", found.sentence()));
+            let located = self.stages.get_or_init(|| located);
+            return failed(format!("{why}; {}", located.sentence()));
         }
         Err(miss)
     }
@@ -449,7 +450,7 @@ impl Trials<'_> {
         trial: &Trial,
         scenes: &[Held],
         hold: &dyn Fn(&str, &CheckedScene) -> Result<f64, Miss>,
-    ) -> Seen {
+    ) -> Observation {
         let (least, truth) = match trial.name.as_str() {
             "law vectors" => (FIRST, "the vectors"),
             _ => (NATIVE, "native-resolved"),
@@ -477,28 +478,28 @@ impl Trials<'_> {
         }
         let what = &trial.what;
         let held = scenes.len() - off.len() - not.len();
-        let mut seen = format!("{held} of {} {what}", scenes.len());
+        let mut message = format!("{held} of {} {what}", scenes.len());
         if self.shares_the_law() {
-            seen.push_str(&format!(" to {worst:.0e} with {truth}"));
+            message.push_str(&format!(" to {worst:.0e} with {truth}"));
         }
         if !not.is_empty() {
-            seen.push_str(&format!("; not held: {}", not.join("; ")));
+            message.push_str(&format!("; not held: {}", not.join("; ")));
         }
         match off.as_slice() {
             [] if held == 0 => skipped(not.join("; ")),
-            [] => Ok(seen),
+            [] => Ok(message),
             [only] => failed(only),
             [first, more @ ..] => failed(format!("{first} ({} more of {what})", more.len())),
         }
     }
 
-    fn runs(&self, scene: &CheckedScene) -> Seen {
+    fn runs(&self, scene: &CheckedScene) -> Observation {
         let run = self.own(scene)?;
         let rows = run.time_series.len();
         Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
     }
 
-    fn repeats(&self, scene: &CheckedScene) -> Seen {
+    fn repeats(&self, scene: &CheckedScene) -> Observation {
         let (run, again) = (self.own(scene)?, self.own(scene)?);
         if run.time_series != again.time_series {
             return failed(format!(
@@ -516,17 +517,17 @@ impl Trials<'_> {
                 "{steps} steps over {duration_s} s are longer than solver.step_s = {step_s} s"
             ));
         }
-        let seen = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
+        let message = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
         if self.shares_the_law() && calls < steps.max(1) {
             return failed(format!(
-                "{seen}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
+                "{message}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
             ));
         }
-        Ok(seen)
+        Ok(message)
     }
 
     /// Checks the start at rest under load by the balances of power and torque.
-    fn start(&self, scene: &CheckedScene) -> Seen {
+    fn start(&self, scene: &CheckedScene) -> Observation {
         let time_series = self.own(scene)?.time_series;
         let native = self.native(Native::REDUCED, scene)?;
         let first = |run: &TimeSeries| run.channel(columns::OUTPUT_ANGLE).map(|angle| angle[0]);
@@ -563,7 +564,7 @@ impl Trials<'_> {
         ))
     }
 
-    fn accuracy(&self, scene: &CheckedScene) -> Seen {
+    fn accuracy(&self, scene: &CheckedScene) -> Observation {
         let (Some((knob, ratio, method)), Some(stated)) = (
             self.refinement(2.0, Rough::Kinks),
             self.solver.info().refinement,
@@ -587,13 +588,13 @@ impl Trials<'_> {
                 "three settings give the same bits: it does not read the key of [refine]",
             );
         }
-        let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
+        let observed = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
         let order = format!(
-            "order {seen:.2} of {}, differences {:.1e} and {:.1e}",
+            "order {observed:.2} of {}, differences {:.1e} and {:.1e}",
             stated.order, coarse.difference, fine.difference
         );
         // At rounding there is no order left to see.
-        let falls = fine.difference < 1e-10 || seen >= least;
+        let falls = fine.difference < 1e-10 || observed >= least;
         if !self.shares_the_law() {
             return if falls { Ok(order) } else { failed(order) };
         }
@@ -606,7 +607,7 @@ impl Trials<'_> {
         Ok(format!("to {own:.1e} with native-resolved; {order}"))
     }
 
-    fn bad_ends(&self, scene: &CheckedScene) -> Seen {
+    fn bad_ends(&self, scene: &CheckedScene) -> Observation {
         let gearbox = compile(scene)?;
         let job = |_| "{\"protocol\": 1, \"sce".to_owned();
         let broken = self.solver.run_job(&gearbox, job, &self.control)?;
@@ -628,7 +629,7 @@ impl Trials<'_> {
     }
 
     /// Stops a run without end by hand and by a limit.
-    fn stop(&self, scene: &CheckedScene) -> Seen {
+    fn stop(&self, scene: &CheckedScene) -> Observation {
         let gearbox = compile(scene)?;
         let (by_hand, begun) = (AtomicBool::new(false), Instant::now());
         let wait = |_: Progress<'_>| {
@@ -637,7 +638,7 @@ impl Trials<'_> {
         };
         let stopped = Control::new(&by_hand, &wait);
         let hasty = self.solver.clone().within(PATIENCE);
-        let mut seen = Vec::new();
+        let mut ends = Vec::new();
         for (by, solver, control) in [
             ("Ctrl-C", self.solver, &stopped),
             ("timeout", &hasty, &self.control),
@@ -654,9 +655,9 @@ impl Trials<'_> {
             if late_s > ENDS_S {
                 return failed(format!("{by}: ended within {late_s:.1} s"));
             }
-            seen.push(format!("{by}: ended within {late_s:.1} s"));
+            ends.push(format!("{by}: ended within {late_s:.1} s"));
         }
-        Ok(seen.join("; "))
+        Ok(ends.join("; "))
     }
 }
 
@@ -675,19 +676,19 @@ fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f6
 /// Returns the relative L2 distance of each quantity of `a` from `b`, all its columns together, the largest first, without the
 /// output's angle, which grows.
 fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
-    let mut found = Vec::new();
+    let mut errors = Vec::new();
     for quantity in derive([a, b]) {
         let names = &quantity.channels;
         let views = [a, b].map(|run| View::of(run, names, 0..a.len().min(b.len())));
         if let [Some(own), Some(other)] = views
             && *names != [columns::OUTPUT_ANGLE]
         {
-            found.push((relative_l2(&own, &other, 0.0), quantity));
+            errors.push((relative_l2(&own, &other, 0.0), quantity));
         }
     }
     // What is not a number is farther off than any.
-    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    found
+    errors.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    errors
 }
 
 /// Returns the distance of the quantity that is farthest off.
@@ -697,13 +698,13 @@ fn apart(a: &TimeSeries, b: &TimeSeries) -> f64 {
 
 /// Column and time of the largest difference, in words: of the quantity that is farthest off, and of the pins' where that is another.
 fn place(a: &TimeSeries, b: &TimeSeries) -> String {
-    let found = distances(a, b);
-    let of_pins = found.iter().position(|(_, quantity)| quantity.is_force());
+    let errors = distances(a, b);
+    let of_pins = errors.iter().position(|(_, quantity)| quantity.is_force());
     let places = [Some(0), of_pins.filter(|&place| place > 0)];
     let places = places
         .into_iter()
         .flatten()
-        .filter_map(|place| found.get(place));
+        .filter_map(|place| errors.get(place));
     let places: Vec<String> = places.map(|(_, of)| farthest(&of.channels, a, b)).collect();
     places.join(", ")
 }

@@ -385,15 +385,15 @@ impl DesignDiff {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         let folders = ["design-1", "design-2"].into_iter().zip(&self.participants);
         for (design, (folder, participant)) in self.designs.iter().zip(folders) {
             let place = output::folder(dir, folder)?;
-            design.write(&place, made)?;
+            design.write(&place, origin)?;
             single::save(&participant.time_series, &place.join("courses.csv"))?;
         }
         let time_series = self.time_series.iter();
-        let found = DiffSummary {
+        let summary = DiffSummary {
             identical: self.identical(),
             found: self,
             time_series: time_series
@@ -401,6 +401,6 @@ impl DesignDiff {
                 .collect(),
             scenes: [&self.designs[0].scene, &self.designs[1].scene],
         };
-        Summary::new(made, found).write(dir)
+        Summary::new(origin, summary).write(dir)
     }
 }

@@ -118,13 +118,13 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
         } if !values.is_empty() => in_words(&key, &what, &remedy),
         error => error.to_string(),
     })?;
-    let given = |key: &str| values.iter().find(|(of, _)| of == key);
-    if given(STIFFNESS).is_none() && given(CLEARANCE).is_none() {
+    let value = |key: &str| values.iter().find(|(of, _)| of == key);
+    if value(STIFFNESS).is_none() && value(CLEARANCE).is_none() {
         return Ok(scene);
     }
     let mut changed = Scene::clone(&scene);
     let bearing = &mut changed.bearings.eccentric;
-    match given(STIFFNESS).map(|(_, value)| value.as_str()) {
+    match value(STIFFNESS).map(|(_, value)| value.as_str()) {
         None => {}
         Some(RIGID) => *bearing = None,
         Some(value) => {
@@ -136,7 +136,7 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
             bearing.stiffness_n_m = Some(value.parse().unwrap_or(f64::NAN));
         }
     }
-    if let Some((_, value)) = given(CLEARANCE) {
+    if let Some((_, value)) = value(CLEARANCE) {
         let clearance = value.parse().unwrap_or(f64::NAN);
         bearing.get_or_insert_default().clearance_m = Some(clearance);
     }

@@ -84,7 +84,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 
 /// The failure of a comparison, and how it goes on if it was stopped.
 fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
-    let made = store.map_or(0, Store::made);
+    let made = store.map_or(0, Store::added);
     match error {
         StudyError::Cancelled if made > 0 => {
             let without = if fresh { " without --fresh" } else { "" };

@@ -57,10 +57,10 @@ fn load(environment: &Environment) -> Result<(), Halt> {
             path.call_method1("insert", (0, environment.packages.as_os_str()))?;
             path.call_method1("insert", (0, sources.as_os_str()))?;
             for (package, version) in pins(LIST) {
-                let found = installed(py, package)?;
-                if found != version {
+                let actual = installed(py, package)?;
+                if actual != version {
                     return Ok(Err(format!(
-                        "it has {package} {found}, and recorded time series and limits belong to {version}"
+                        "it has {package} {actual}, and recorded time series and limits belong to {version}"
                     )));
                 }
             }

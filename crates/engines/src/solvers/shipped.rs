@@ -20,7 +20,7 @@ struct Shipped {
     needs: fn() -> Option<String>,
     /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
-    made: Memo<Ready>,
+    ready: Memo<Ready>,
     /// Manifests for scenes without and with friction.
     manifests: [&'static str; 2],
 }
@@ -31,7 +31,7 @@ static SHIPPED: [Shipped; 2] = [
         version: simbody::version,
         needs: simbody::needs,
         make: simbody::ready,
-        made: Memo::empty(),
+        ready: Memo::empty(),
         manifests: simbody::MANIFESTS,
     },
     Shipped {
@@ -39,7 +39,7 @@ static SHIPPED: [Shipped; 2] = [
         version: ida::version,
         needs: || ida::REQUIREMENTS.needs(),
         make: ida::ready,
-        made: Memo::empty(),
+        ready: Memo::empty(),
         manifests: [ida::MANIFEST; 2],
     },
 ];
@@ -62,7 +62,7 @@ pub(crate) fn needs(info: &EngineInfo<'_>) -> Option<String> {
 impl Shipped {
     /// Returns the solver for a scene, prepared if necessary.
     fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, Halt> {
-        let ready = self.made.get(|| (self.make)(cancel))?;
+        let ready = self.ready.get(|| (self.make)(cancel))?;
         law_library().map_err(Ending::absent)?;
         let manifest = ready
             .here

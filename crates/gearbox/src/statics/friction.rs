@@ -114,8 +114,8 @@ impl<'a> Statics<'a> {
         let (mut speed, mut next, mut growth) = (CREEPS_RAD_S, SLIDES_RAD_S, GROWTH);
         while growth > LEAST_GROWTH {
             match self.settle(&problem, here.clone(), way, next) {
-                Some((found, ..)) if next >= SLIDES_RAD_S => return Ok(found),
-                Some(found) => (here, speed, next) = (found, next, SLIDES_RAD_S),
+                Some((balance, ..)) if next >= SLIDES_RAD_S => return Ok(balance),
+                Some(balance) => (here, speed, next) = (balance, next, SLIDES_RAD_S),
                 None => {
                     if next < SLIDES_RAD_S {
                         growth = growth.sqrt();
@@ -132,22 +132,22 @@ impl<'a> Statics<'a> {
     fn settle(
         &mut self,
         problem: &Problem,
-        (mut found, mut rates, mut inverse): Sliding,
+        (mut balance, mut rates, mut inverse): Sliding,
         way: f64,
         speed: f64,
     ) -> Option<Sliding> {
         let mut last: Option<[DVector<f64>; 2]> = None;
         for _ in 0..ROUNDS {
             self.motion = self.along(problem, &(&rates * speed));
-            let before = found;
-            found = self.slide(&before, problem.load).ok()?;
+            let before = balance;
+            balance = self.slide(&before, problem.load).ok()?;
             let [u, next] =
-                [&before, &found].map(|at| problem.unknowns(&at.bodies, self.gearbox.layout));
+                [&before, &balance].map(|at| problem.unknowns(&at.bodies, self.gearbox.layout));
             let moved = problem.moved(next.iter().zip(&u).map(|(next, u)| next - u));
             if last.is_some() && moved < KNOWN {
-                return Some((found, rates, inverse));
+                return Some((balance, rates, inverse));
             }
-            let missed = self.rates(problem, &found, way).ok()? - &rates;
+            let missed = self.rates(problem, &balance, way).ok()? - &rates;
             if let Some([before, step]) = &last {
                 update(&mut inverse, 1.0, step, &(&missed - before));
             }
@@ -200,8 +200,8 @@ impl<'a> Statics<'a> {
             order: 0,
             ..near.clone()
         };
-        let found = self.continue_from(&near, near.input, load);
-        found.ok_or(GearboxError::Sticks)
+        let balance = self.continue_from(&near, near.input, load);
+        balance.ok_or(GearboxError::Sticks)
     }
 
     /// Returns the driver's torque at a balance in which the input [turns](Self::turning), N m: by virtual work along the rates

@@ -54,35 +54,35 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     if own || gear.wheels * gear.internal_sleeves > MOST_HOLES {
         return fault;
     }
-    let whole: Builds = |gear| geometry::whole(gear).is_ok();
+    let checked: Builds = |gear| geometry::entire(gear).is_ok();
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
     // Keys named by the fault come first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
     let single = |builds| single(gear, gives_circle, builds);
-    let mut ways = single(whole);
-    if ways.is_empty() {
-        ways.extend(output_stage(gear, gives_circle));
+    let mut changes = single(checked);
+    if changes.is_empty() {
+        changes.extend(output_stage(gear, gives_circle));
     }
     // With two faults at once, first that of the profile, then the other.
-    if ways.is_empty() && !outside(gear) {
-        ways = single(outside);
-        if ways.is_empty() {
-            ways.extend(external_stage(gear, gives_circle));
+    if changes.is_empty() && !outside(gear) {
+        changes = single(outside);
+        if changes.is_empty() {
+            changes.extend(external_stage(gear, gives_circle));
         }
     }
-    if ways.is_empty() {
+    if changes.is_empty() {
         return fault;
     }
-    if ways.iter().any(|way| way.far < ANOTHER_GEAR) {
-        ways.retain(|way| way.far < ANOTHER_GEAR);
+    if changes.iter().any(|way| way.far < ANOTHER_GEAR) {
+        changes.retain(|way| way.far < ANOTHER_GEAR);
     }
     let far = |way: &Way| (place(way.key).unwrap_or(usize::MAX), way.far);
-    ways.sort_by(|a, b| {
+    changes.sort_by(|a, b| {
         far(a)
             .partial_cmp(&far(b))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    let words = ways.into_iter().take(OFFERED).map(|way| way.words);
+    let words = changes.into_iter().take(OFFERED).map(|way| way.words);
     Fault {
         remedy: format!("would do: {}", words.collect::<Vec<_>>().join(", or ")),
         ..fault
@@ -99,7 +99,7 @@ struct Way {
 
 /// Returns the changes of a single value.
 fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
-    let mut ways = Vec::new();
+    let mut changes = Vec::new();
     for (key, of) in VALUES {
         let from = *of(&mut gear.clone());
         let put = |value: f64| {
@@ -115,24 +115,24 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
             in_range(key, value) && !meant.is_empty() && meant.iter().all(builds)
         };
         let far = |value: f64| (value / from).ln().abs();
-        let mut found: Vec<f64> = [RATIO, 1.0 / RATIO]
+        let mut values: Vec<f64> = [RATIO, 1.0 / RATIO]
             .into_iter()
             .filter_map(|ratio| {
                 let mut steps = (1..=TRIED).map(|k| from * ratio.powi(k));
                 edge(from, steps.find(|value| fits(*value))?, &fits)
             })
             .collect();
-        if key.starts_with("gear.modification.") && found.is_empty() && fits(0.0) {
-            found.push(0.0);
+        if key.starts_with("gear.modification.") && values.is_empty() && fits(0.0) {
+            values.push(0.0);
         }
-        found.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
-        ways.extend(found.first().map(|value| Way {
+        values.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
+        changes.extend(values.first().map(|value| Way {
             key,
             far: far(*value),
             words: in_words(gear, gives_circle, key, *value),
         }));
     }
-    ways
+    changes
 }
 
 /// Returns the value of few digits that still fits next to the limit between `bad` and `good`, located by bisection.
@@ -279,5 +279,5 @@ fn with_output_stage(gear: &Gear) -> Option<Gear> {
     });
     let mut fitting =
         fitting.filter(|gear| gear.internal_sleeve_radius_m > 0.1 * gear.eccentricity_m);
-    fitting.find(|gear| geometry::whole(gear).is_ok())
+    fitting.find(|gear| geometry::entire(gear).is_ok())
 }

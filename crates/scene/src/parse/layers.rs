@@ -355,8 +355,8 @@ pub(super) fn located(
         Location::Line { .. } | Location::File { .. } => 2,
         Location::Default { .. } => 3,
     };
-    let found = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));
-    let place = found
+    let known = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));
+    let place = known
         .min_by_key(rank)
         .cloned()
         .unwrap_or_else(|| Location::Default {

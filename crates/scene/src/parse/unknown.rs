@@ -53,7 +53,7 @@ pub(super) fn unknown(
         )
     } else if let Some((near, factor)) = quantity::of_another_unit(&key) {
         let number = match node.value() {
-            Value::Integer(whole) => Some(whole as f64),
+            Value::Integer(n) => Some(n as f64),
             Value::Float(number) => Some(number),
             _ => None,
         };

@@ -57,9 +57,9 @@ impl Pose {
         load: f64,
     ) {
         let mut turning = |way| {
-            let found = statics.turning(way, at, load).ok()?;
-            let driver_n_m = statics.driver_torque(&found, load);
-            Some((Self::loaded(statics, wanted, &found, load), driver_n_m))
+            let balance = statics.turning(way, at, load).ok()?;
+            let driver_n_m = statics.driver_torque(&balance, load);
+            Some((Self::loaded(statics, wanted, &balance, load), driver_n_m))
         };
         let Some(((ahead, driver_n_m), (back, _))) = turning(1.0).zip(turning(-1.0)) else {
             return;
@@ -131,7 +131,7 @@ pub fn hysteresis(
         return Ok(Vec::new());
     };
     let mut last: [[Option<Equilibrium>; 2]; 2] = Default::default();
-    let found = both_ways(poses, gearbox, |_, phi, way| {
+    let widths = both_ways(poses, gearbox, |_, phi, way| {
         let mut widths = [None; 2];
         let last = &mut last[usize::from(way < 0.0)];
         for ((width, (share, _)), last) in widths.iter_mut().zip(WIDTHS).zip(last) {
@@ -154,8 +154,8 @@ pub fn hysteresis(
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
         // Under a falling load the output stands ahead. Where it does not, a disc has gone to the other side of its play.
         let ahead = |(width, apart): &(f64, f64)| *width >= -*apart - SWUNG_ARCMIN;
-        let widths = found.iter().flatten().map(|widths| widths[k]);
-        let widths = widths.map(|found| found.filter(ahead));
+        let widths = widths.iter().flatten().map(|widths| widths[k]);
+        let widths = widths.map(|widths| widths.filter(ahead));
         let Some(widths) = widths.collect::<Option<Vec<_>>>() else {
             return vec![def.of(None, None).withheld(HISTORY.to_owned())];
         };

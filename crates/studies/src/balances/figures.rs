@@ -193,8 +193,8 @@ impl Balances {
                 all[pair.wheel].push(pair.force_n);
             }
             // Bearings without a force count too.
-            let whole = (number + 1) * cranks.count;
-            all.iter_mut().for_each(|forces| forces.resize(whole, 0.0));
+            let length = (number + 1) * cranks.count;
+            all.iter_mut().for_each(|forces| forces.resize(length, 0.0));
         }
         all
     }

@@ -144,9 +144,9 @@ pub(crate) fn twist(
     load: f64,
 ) -> Result<f64, GearboxError> {
     let gearbox = statics.gearbox();
-    let found = statics.track(last, phi, load)?;
+    let balance = statics.track(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
-    let output = found.output + gearbox.flange_twist_rad(load);
+    let output = balance.output + gearbox.flange_twist_rad(load);
     Ok(ARCMIN * (output - ideal) * load.signum())
 }
 
@@ -178,12 +178,12 @@ pub(crate) fn along<T>(
     poses: &Poses,
     mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
 ) -> Result<Vec<T>, StudyError> {
-    let mut found: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
+    let mut results: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
     for (done, pose) in poses.walk().enumerate() {
-        found.push((pose, find(done, poses.angles[pose])?));
+        results.push((pose, find(done, poses.angles[pose])?));
     }
-    found.sort_unstable_by_key(|(pose, _)| *pose);
-    Ok(found.into_iter().map(|(_, one)| one).collect())
+    results.sort_unstable_by_key(|(pose, _)| *pose);
+    Ok(results.into_iter().map(|(_, one)| one).collect())
 }
 
 /// Returns lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
@@ -196,7 +196,7 @@ pub(crate) fn twisted(
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
     let [low, high] = STIFF;
     let mut last: [[Option<Equilibrium>; 3]; 2] = Default::default();
-    let found = both_ways(poses, gearbox, |done, phi, way| {
+    let twists = both_ways(poses, gearbox, |done, phi, way| {
         step(done)?;
         let mut twists = [0.0; 3];
         let last = &mut last[usize::from(way < 0.0)];
@@ -209,5 +209,5 @@ pub(crate) fn twisted(
     let stiff =
         |[_, low_at, high_at]: [f64; 3]| (high - low) * working.abs() / (high_at - low_at).abs();
     let of_pose = |[ahead, back]: [[f64; 3]; 2]| (ahead[0] + back[0], [stiff(ahead), stiff(back)]);
-    Ok(found.into_iter().map(of_pose).unzip())
+    Ok(twists.into_iter().map(of_pose).unzip())
 }

@@ -130,10 +130,10 @@ pub fn check(
         }
         for way in options.ways(case)? {
             let accepted = scene.and_then(|scene| {
-                let found = scene.cases.iter().find(|c| c.choice == way.name);
-                found.map(|accepted| (scene, accepted))
+                let accepted = scene.cases.iter().find(|c| c.choice == way.name);
+                accepted.map(|accepted| (scene, accepted))
             });
-            let mut found = CaseCheck::new(&case.name, way.name);
+            let mut checked = CaseCheck::new(&case.name, way.name);
             match (accepted, way.refused) {
                 (Some(accepted), None) => {
                     jobs.push(way.job);
@@ -143,11 +143,11 @@ pub fn check(
                 (accepted, refused) => {
                     let remedy = || format!("`baseline record --only {}` adds it", case.name);
                     let refused = refused.map(|reason| format!("refused: {reason}"));
-                    found.trouble = Some(refused.unwrap_or_else(remedy));
-                    found.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
+                    checked.trouble = Some(refused.unwrap_or_else(remedy));
+                    checked.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
                 }
             }
-            cases.push(found);
+            cases.push(checked);
         }
     }
     let results = run_all(&jobs, options.threads, control)?;

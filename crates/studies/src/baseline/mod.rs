@@ -154,7 +154,7 @@ pub fn write(
     check: &Check,
     baseline: &Baseline,
     dir: &Path,
-    made: &Provenance,
+    origin: &Provenance,
 ) -> Result<(), OutputError> {
     let accepted = &baseline.accepted;
     let answers = check.answers(name);
@@ -163,5 +163,5 @@ pub fn write(
         accepted,
         check,
     };
-    Summary::new(made, checked).write(dir)
+    Summary::new(origin, checked).write(dir)
 }

@@ -127,8 +127,9 @@ impl Record {
             let signals = case.quantity.iter().filter(|(quantity, _)| {
                 !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
             });
-            let (quantity, found) = signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
-            Some((scene, case, *quantity, found.error))
+            let (quantity, signal) =
+                signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
+            Some((scene, case, *quantity, signal.error))
         });
         let mut farthest: Vec<_> = farthest.collect();
         farthest.sort_by(|(.., a), (.., b)| b.total_cmp(a));

@@ -45,9 +45,9 @@ impl Rest {
     ///
     /// # Errors
     /// A stated stiffness that is not positive, or not below the gear's.
-    pub(super) fn of(found: &DesignResult, stated: f64) -> Result<Self, StudyError> {
-        let before = found.budget.iter().rfind(|share| share.part != REST);
-        let own = before.map_or(found.torsion.stiffness_n_m_per_arcmin.mean, |share| {
+    pub(super) fn of(design: &DesignResult, stated: f64) -> Result<Self, StudyError> {
+        let before = design.budget.iter().rfind(|share| share.part != REST);
+        let own = before.map_or(design.torsion.stiffness_n_m_per_arcmin.mean, |share| {
             share.stiffness_n_m_per_arcmin
         });
         if !(stated > 0.0 && stated < own) {
@@ -150,7 +150,7 @@ pub(super) fn of(
                 Ok(control.check()?)
             })
         };
-        let found = if part != CONTACTS && scene == *known.gearbox().scene {
+        let (lost, stiffness) = if part != CONTACTS && scene == *known.gearbox().scene {
             balanced(known)?
         } else {
             let gearbox = compile(&scene)?;
@@ -161,19 +161,19 @@ pub(super) fn of(
             }
             balanced(&mut statics)?
         };
-        let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
+        let stiffness = Spread::of(stiffness.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);
         shares.push(Share {
             part,
             share: 0.0,
             stiffness_n_m_per_arcmin: stiffness,
-            lost_motion_arcmin: Spread::of(found.0).max,
+            lost_motion_arcmin: Spread::of(lost).max,
         });
     }
-    let whole = compliance.last().copied().unwrap_or(1.0);
+    let total = compliance.last().copied().unwrap_or(1.0);
     let mut before = 0.0;
     for (share, compliance) in shares.iter_mut().zip(compliance) {
-        share.share = (compliance - before) / whole;
+        share.share = (compliance - before) / total;
         before = compliance;
     }
     Ok(shares)

@@ -108,7 +108,9 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     ] {
         let change = value.zip(faster).map(|(own, faster)| own - faster);
         *value = value.zip(change).map(|(own, change)| own + change);
-        *off = off.zip(change).map(|(off, change)| off + SAFETY * change.abs());
+        *off = off
+            .zip(change)
+            .map(|(off, change)| off + SAFETY * change.abs());
     }
     Ok(own)
 }
@@ -165,8 +167,8 @@ fn looped(
     scene.solver.integrator = "auto".to_owned();
     scene.output.channels.clear();
     let slow = compile(&scene)?;
-    let found = single::run(&slow, &Native::REDUCED, false, control)?;
-    let time_series = &found.run.time_series;
+    let study = single::run(&slow, &Native::REDUCED, false, control)?;
+    let time_series = &study.run.time_series;
     let time_s = time_series.time_s().to_vec();
     let angle = time_series.channel(columns::OUTPUT_ANGLE);
     let angle = angle.unwrap_or_default();
@@ -175,7 +177,7 @@ fn looped(
     let from = |t: f64| time_s.partition_point(|&at| at < t);
     // Branches of decreasing and of increasing load.
     let [down, up] = [down, up].map(|[start, end]| from(start * ramp)..from(end * ramp) + 1);
-    let whole = found.run.ending.is_finished();
+    let finished = study.run.ending.is_finished();
     // Angles of both branches at a torque, with every `every`-th sample.
     let both = |torque: f64, every: usize| {
         let at = |branch: &std::ops::Range<usize>| {
@@ -186,7 +188,7 @@ fn looped(
             };
             crossing(&thinned(&torque_n_m), &thinned(&angle_arcmin), torque)
         };
-        Some((at(&down)?, at(&up)?)).filter(|_| whole)
+        Some((at(&down)?, at(&up)?)).filter(|_| finished)
     };
     let lost = |every: usize| {
         let mean = |torque: f64| both(torque, every).map(|(a, b)| 0.5 * (a + b));
@@ -196,7 +198,7 @@ fn looped(
     let width = |every: usize| apart(0.0, every);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * (apart(LOST * rated, 1)? + apart(-LOST * rated, 1)?));
-    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
+    let error = study.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
         let value = of(1)?;
         Some((value - of(2)?).abs() + error?.forces * value)
@@ -206,7 +208,7 @@ fn looped(
         width_arcmin: width(1),
         lost_motion_uncertainty_arcmin: off(&lost).and_then(|off| Some(off + open()?)),
         width_uncertainty_arcmin: off(&width),
-        status: found.run.ending.word(),
+        status: study.run.ending.word(),
         closed_from: down.start,
         time_s,
         torque_n_m,

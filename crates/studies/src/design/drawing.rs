@@ -94,16 +94,16 @@ fn others(scene: &CheckedScene, wheel: usize) -> [(&'static str, Vec<Circle>); 3
     let phase = TAU * wheel as f64 / gear.wheels as f64;
     let start = (PI - phase) / gear.lobes() as f64;
     let [ex, ey] = turned([gear.eccentricity_m, 0.0], phase);
-    let seen = |[x, y]: [f64; 2]| turned([x - ex, y - ey], -start);
+    let turn_back = |[x, y]: [f64; 2]| turned([x - ex, y - ey], -start);
     let ring = |j| {
         (
-            seen(gear.external_sleeve_m(j)),
+            turn_back(gear.external_sleeve_m(j)),
             gear.external_sleeve_radius_of_m(j),
         )
     };
     let output = |k| {
         (
-            seen(gear.internal_sleeve_m(k)),
+            turn_back(gear.internal_sleeve_m(k)),
             gear.internal_sleeve_radius_of_m(k),
         )
     };

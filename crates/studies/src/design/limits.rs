@@ -171,9 +171,9 @@ fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: He
             };
         }
     }
-    let whole = 2.0 * gear.internal_sleeve_radius_m;
+    let diameter = 2.0 * gear.internal_sleeve_radius_m;
     let stated = scene.structure.output_pin_diameter_m;
-    let pin = whole.min(stated.or(bearings.sleeve_bore_m).unwrap_or(whole));
+    let pin = diameter.min(stated.or(bearings.sleeve_bore_m).unwrap_or(diameter));
     32.0 * largest / (PI * pin.powi(3))
 }
 
@@ -335,13 +335,13 @@ impl Limits {
             return Ok(None);
         };
         let poses = Poses::of(scene).few(FEW);
-        let Some(found) = band::balanced(at_poses(&mut statics, (&poses, true), cancel))? else {
+        let Some(solved) = band::balanced(at_poses(&mut statics, (&poses, true), cancel))? else {
             return Ok(None);
         };
-        let mut figures = found.figures();
-        figures.extend(found.of_bearings(scene));
-        figures.extend(self::figures(&found, scene));
-        found.withhold_forces(&mut figures);
+        let mut figures = solved.figures();
+        figures.extend(solved.of_bearings(scene));
+        figures.extend(self::figures(&solved, scene));
+        solved.withhold_forces(&mut figures);
         if let Some(bands) = bands {
             bands.bound_all(&mut figures);
         }
@@ -367,14 +367,14 @@ impl Limits {
                 gear.with_number(key, value + half)
             });
             let gearbox = loosest.ok().and_then(|scene| Gearbox::new(&scene).ok());
-            let found = gearbox.map(|gearbox| Self::of_gear(&gearbox, None, cancel));
-            let Some(found) = found.transpose()?.flatten() else {
+            let solved = gearbox.map(|gearbox| Self::of_gear(&gearbox, None, cancel));
+            let Some(solved) = solved.transpose()?.flatten() else {
                 break;
             };
-            let Some(margin) = found.margin.filter(|margin| *margin < 1.0) else {
+            let Some(margin) = solved.margin.filter(|margin| *margin < 1.0) else {
                 return Ok(weak.map(|weak| (weak, Some(times))));
             };
-            weak.get_or_insert(found);
+            weak.get_or_insert(solved);
             // Pressures of line contacts fall with the diameter to the power of 1.5, or slower where clearances stay.
             times *= LARGER * margin.powf(-2.0 / 3.0);
         }

@@ -79,21 +79,21 @@ impl Cause {
 
 /// Alternatives in words; those that differ in the disc alone name each disc.
 fn either(all: impl Iterator<Item = String>, or: &str) -> String {
-    let mut said: Vec<[String; 3]> = Vec::new();
+    let mut merged: Vec<[String; 3]> = Vec::new();
     for one in all {
         let number = one.find("disc ").map_or(one.len(), |at| at + 5);
         let (start, rest) = one.split_at(number);
         let end = rest.trim_start_matches(|c: char| c.is_ascii_digit());
         let disc = &rest[..rest.len() - end.len()];
-        let mut alike = said.iter_mut();
+        let mut alike = merged.iter_mut();
         match alike.find(|it| it[0] == start && it[2] == end) {
             Some([_, discs, _]) if discs.split(" or ").any(|it| it == disc) => {}
             Some([_, discs, _]) => *discs += &format!(" or {disc}"),
-            None => said.push([start, disc, end].map(str::to_owned)),
+            None => merged.push([start, disc, end].map(str::to_owned)),
         }
     }
-    let said: Vec<String> = said.iter().map(|parts| parts.concat()).collect();
-    said.join(or)
+    let merged: Vec<String> = merged.iter().map(|parts| parts.concat()).collect();
+    merged.join(or)
 }
 
 /// Cause with the changes of the model that are its parts.
@@ -149,7 +149,7 @@ pub(super) fn cause(
     };
     let slopes: Vec<(usize, Vec<f64>)> = (0..suspects.len()).filter_map(slopes).collect();
     let residual = less(run, native);
-    let whole = dot(&residual, &residual);
+    let total = dot(&residual, &residual);
     // Share that changes explain linearly.
     let share = |of: &[usize]| {
         let views: Vec<&[f64]> = of.iter().map(|k| slopes[*k].1.as_slice()).collect();
@@ -157,7 +157,7 @@ pub(super) fn cause(
         let each = sizes.iter().zip(&views);
         each.map(|([size, _], slope)| size * dot(slope, &residual))
             .sum::<f64>()
-            / whole
+            / total
     };
     // The likeliest first of those that look alike.
     let best = |sets: Vec<Vec<usize>>, least: f64| {
@@ -195,12 +195,12 @@ pub(super) fn cause(
             let mut each = sizes.iter();
             let is_clear = each.all(|[size, error]| free * size.abs() > CLEAR * error);
             if fit.explained >= least && is_clear {
-                let found = (of, Fit { sizes, ..fit });
+                let tried = (of, Fit { sizes, ..fit });
                 // None explains more or is more likely, and those that explain as much do so linearly.
-                if 1.0 - found.1.explained < ALIKE && telling(&found) == found.0.len() {
+                if 1.0 - tried.1.explained < ALIKE && telling(&tried) == tried.0.len() {
                     enough = enough.max(share - BESIDE);
                 }
-                fits.push(found);
+                fits.push(tried);
             }
         }
         let each = fits.iter().map(|(_, fit)| fit.explained);
@@ -208,19 +208,19 @@ pub(super) fn cause(
         // What is exact is told from what is almost so.
         let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
         fits.retain(|(_, fit)| most - fit.explained < apart);
-        fits.sort_by_cached_key(|found| (Reverse(telling(found)), found.0.clone()));
+        fits.sort_by_cached_key(|tried| (Reverse(telling(tried)), tried.0.clone()));
         fits.dedup_by(|a, b| a.0 == b.0);
         fits
     };
     let singles = (0..slopes.len()).map(|k| vec![k]);
-    let mut found = best(singles.collect(), least);
-    if found.is_empty() && least != SURE {
+    let mut fits = best(singles.collect(), least);
+    if fits.is_empty() && least != SURE {
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
-        found = best(pairs.collect(), least.max(SURE));
+        fits = best(pairs.collect(), least.max(SURE));
     }
     // The best may be among those that were not followed.
-    let found = Some(found).filter(|_| work.left() > 0)?;
-    let (first, fit) = found.first()?;
+    let fits = Some(fits).filter(|_| work.left() > 0)?;
+    let (first, fit) = fits.first()?;
     let part = |(k, [size, plus_minus]): (&usize, &[f64; 2])| {
         let suspect = &suspects[*k];
         Part {
@@ -232,7 +232,7 @@ pub(super) fn cause(
         }
     };
     let parts = |(of, fit): &(Vec<usize>, Fit)| of.iter().zip(&fit.sizes).map(part).collect();
-    let mut all = found.iter().map(parts);
+    let mut all = fits.iter().map(parts);
     let cause = Cause {
         parts: all.next()?,
         others: all.collect(),

@@ -122,7 +122,7 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
         pictures,
         ..Located::default()
     };
-    Some(located.seen())
+    Some(located.with_pictures())
 }
 
 /// Judges a stage by the largest value of its picture over time.

@@ -79,34 +79,34 @@ pub fn of_engine(
     let Some((mut own, mut count)) = run(&short)? else {
         return Ok(None);
     };
-    let whole = match evaluations {
+    let limit = match evaluations {
         Some(all) => all.max(LEAST[0]),
         None => (count as f64 * whole_s / short.scene.solver.duration_s) as u64,
     };
-    let search = whole.max(LEAST[1 + usize::from(gearbox.has_friction())]);
+    let search = limit.max(LEAST[1 + usize::from(gearbox.has_friction())]);
     // `kept`: evaluations that the search for a cause leaves.
     let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>, kept: u64| {
         let name = engine.name();
         // Without states the columns alone may show a cause.
-        let left = [whole, search - kept].map(|most| most.saturating_sub(taken.get()));
+        let left = [limit, search - kept].map(|most| most.saturating_sub(taken.get()));
         let by_columns = || of_record(gearbox, name, run, left[1] + kept);
         let is_blind = !states.missing(run).is_empty();
-        let found = is_blind.then(by_columns).flatten();
+        let located = is_blind.then(by_columns).flatten();
         let runs = Runs {
             name,
             run,
             finer,
             evaluations: left,
         };
-        let mut found = found.or_else(|| locate(gearbox, runs))?;
-        taken.set(taken.get() + found.evaluations[0]);
-        found.evaluations = [taken.get(), whole];
-        if found.first().is_none() && long_s < asked_s {
-            found.left_out = Some(format!(
+        let mut located = located.or_else(|| locate(gearbox, runs))?;
+        taken.set(taken.get() + located.evaluations[0]);
+        located.evaluations = [taken.get(), limit];
+        if located.first().is_none() && long_s < asked_s {
+            located.left_out = Some(format!(
                 "it departs at t = {until_s:.3e} s, and the cost of a run reaches to {long_s:.3e} s"
             ));
         }
-        Some(found)
+        Some(located)
     };
     let ends = own.time_s().last() >= Some(&(short.scene.solver.duration_s - 0.5 * sample_s));
     let Some(refinement) = engine.info().refinement.filter(|_| ends) else {
@@ -123,7 +123,7 @@ pub fn of_engine(
     let mut cost = STEP * count as f64;
     for level in 1..=LEVELS {
         // A smaller step may have the time for some of the samples alone.
-        let most = if level > 1 { search } else { whole };
+        let most = if level > 1 { search } else { limit };
         let share = (REST * most.saturating_sub(taken.get()) as f64 / cost).min(1.0);
         let last = (share * (own.len() - 1) as f64) as usize;
         if let Some(open) = located.take_if(|_| last < FEWEST) {
@@ -139,9 +139,9 @@ pub fn of_engine(
                 AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
             }
         });
-        let found = fine.ok().map(|fine| run(&fine)).transpose()?.flatten();
-        let found = found.filter(|(finer, _)| finer.len() == own.len());
-        let Some((finer, more)) = found else {
+        let finer = fine.ok().map(|fine| run(&fine)).transpose()?.flatten();
+        let finer = finer.filter(|(finer, _)| finer.len() == own.len());
+        let Some((finer, more)) = finer else {
             return Ok(located.or_else(|| judge(&own, None, 0)));
         };
         cost = (more as f64).powi(2) / (count as f64 * share);
@@ -149,8 +149,9 @@ pub fn of_engine(
         let kept = if level < LEVELS { search / 8 } else { 0 };
         located = judge(&own, Some((&finer, falls)), kept);
         // Steps that are far too long show no order.
-        let is_open =
-            |found: &Located| found.cause.is_none() && found.first() >= Some(Stage::Equations);
+        let is_open = |located: &Located| {
+            located.cause.is_none() && located.first() >= Some(Stage::Equations)
+        };
         if !located.as_ref().is_some_and(is_open) {
             break;
         }

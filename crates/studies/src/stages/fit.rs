@@ -65,7 +65,7 @@ pub(super) fn fit(
     let mut slopes = slopes;
     let (mut at, mut left, mut values) =
         (vec![0.0; limits.len()], less(target, base), base.to_vec());
-    let whole = dot(&left, &left);
+    let total = dot(&left, &left);
     let mut squares = Vec::new();
     for step in 0..STEPS {
         let views: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
@@ -89,7 +89,7 @@ pub(super) fn fit(
             (dot(&rest, &rest) <= (1.0 - LITTLE) * dot(&left, &left))
                 .then_some((next, values, rest))
         });
-        let Some((next, found, rest)) = tried else {
+        let Some((next, nearer, rest)) = tried else {
             // A change that is no cause soon gains little, and so does every one at the bottom.
             if step > 0 { break } else { return None }
         };
@@ -100,13 +100,13 @@ pub(super) fn fit(
         let scaled = steps.iter().zip(limits);
         let scaled: Vec<f64> = scaled.map(|(step, [small, _])| step / small).collect();
         let long = dot(&scaled, &scaled);
-        let mut untold = less(&found, &values);
-        let told = slopes.iter().zip(&steps);
-        told.for_each(|(slope, step)| add(&mut untold, -step, slope));
+        let mut untold = less(&nearer, &values);
+        let expected = slopes.iter().zip(&steps);
+        expected.for_each(|(slope, step)| add(&mut untold, -step, slope));
         let parts = slopes.iter_mut().zip(&scaled).zip(limits);
         parts.for_each(|((slope, part), [small, _])| add(slope, part / small / long, &untold));
-        (at, left, values) = (next, rest, found);
-        if is_still || dot(&left, &left) <= 1e-12 * whole {
+        (at, left, values) = (next, rest, nearer);
+        if is_still || dot(&left, &left) <= 1e-12 * total {
             break;
         }
     }
@@ -115,6 +115,6 @@ pub(super) fn fit(
     let sizes = sizes.map(|(size, square)| [*size, (rest / square).sqrt()]);
     Some(Fit {
         sizes: sizes.collect(),
-        explained: 1.0 - rest / whole,
+        explained: 1.0 - rest / total,
     })
 }

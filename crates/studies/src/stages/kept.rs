@@ -50,8 +50,8 @@ pub(crate) fn of_kept(
     if off <= kept.bound {
         return None;
     }
-    let found = cause(work, [kept.written, &base], SURE, Suspect::moves, values);
-    let cause = found.map(|(cause, _)| cause);
+    let cause = cause(work, [kept.written, &base], SURE, Suspect::moves, values);
+    let cause = cause.map(|(cause, _)| cause);
     let columns = states::Columns::of(gearbox, native.free()).patterns();
     let note = format!("states were not stored; needs {}", columns.join(", "));
     let stage = |stage| match &cause {
@@ -123,9 +123,11 @@ pub(super) fn of_record(
             finer: None,
             evaluations: [evaluations; 2],
         };
-        let found = locate(gearbox, runs)?;
-        let mut cause = found.cause.iter();
-        return cause.any(|cause| cause.explained >= SURE).then_some(found);
+        let located = locate(gearbox, runs)?;
+        let mut cause = located.cause.iter();
+        return cause
+            .any(|cause| cause.explained >= SURE)
+            .then_some(located);
     }
     let times = run.time_s().get(..run.len().min(SHOWN))?;
     (*times.first()? == 0.0).then_some(())?;
@@ -158,5 +160,5 @@ pub(super) fn of_record(
         bound,
         evaluations,
     };
-    of_kept(gearbox, &kept, &figures).filter(|found| found.cause.is_some())
+    of_kept(gearbox, &kept, &figures).filter(|located| located.cause.is_some())
 }

@@ -77,7 +77,7 @@ impl Located {
     }
 
     /// Leaves the pictures of stages that are off, where they show something.
-    pub(super) fn seen(mut self) -> Self {
+    pub(super) fn with_pictures(mut self) -> Self {
         let off = self.stages.iter().filter(|judged| judged.is_off());
         let off: Vec<Stage> = off.map(|judged| judged.stage).collect();
         self.pictures.retain(|picture| {
@@ -94,7 +94,7 @@ impl Located {
             judged.is_off() && [Stage::Equations, Stage::Integration].contains(&judged.stage)
         });
         motion.for_each(|judged| *judged = Judged::unknown(judged.stage, note));
-        self.seen()
+        self.with_pictures()
     }
 
     /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
@@ -174,7 +174,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             located.stages[1] = Judged::measured(Stage::ContactSearch, differ, 0.0, first);
             located.pictures.extend(columns.pictures());
         }
-        return Some(located.seen());
+        return Some(located.with_pictures());
     }
     let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
     located.pictures.extend(columns.pictures());
@@ -212,7 +212,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     };
     let motion = [Stage::Equations, Stage::Integration];
     let untold = |note: &str| motion.map(|stage| Judged::unknown(stage, note));
-    let mut found = None;
+    let mut suspect = None;
     let hides = [Stage::ContactSearch, Stage::Law, Stage::Assembly];
     let is_loaded = load_profile::largest(&gearbox.scene.drive) > 0.0;
     if off(&located, &hides) || !is_loaded {
@@ -221,7 +221,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             false => "needs a load, by whose work the motion is measured",
         }));
         if off(&located, &Stage::ALL) {
-            found = of_columns(&located);
+            suspect = of_columns(&located);
         }
     } else if let Some((fine, samples, each)) = judged_motion(work, &mut native, &states, best) {
         let finer = runs.finer.map(|(_, falls)| falls);
@@ -241,15 +241,15 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             let [reached, base] = few.ends();
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
             let both = [&reached[..], &base[..]];
-            found = cause(work, both, sure, Suspect::moves_alone, &|model| {
+            suspect = cause(work, both, sure, Suspect::moves_alone, &|model| {
                 few.flows(model)
             });
         }
-        let is_open = found.is_none() && work.left() > 0 && !fine.keeps_pins();
+        let is_open = suspect.is_none() && work.left() > 0 && !fine.keeps_pins();
         let alone = is_open && fine.is_alone();
         for judged in &mut located.stages {
             match judged.stage {
-                Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),
+                Stage::Equations if suspect.is_some() => judged.residual = Some(fine.size()),
                 // Equations are wrong at all times.
                 Stage::Equations if alone && judged.is_off() => judged.stage = Stage::Integration,
                 Stage::Integration if alone && judged.residual.is_none() => {
@@ -258,8 +258,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 _ => {}
             }
         }
-        if found.is_none() && off(&located, &[Stage::Driver]) {
-            found = of_columns(&located);
+        if suspect.is_none() && off(&located, &[Stage::Driver]) {
+            suspect = of_columns(&located);
         }
     } else {
         let note = "the native motion from its states ends early";
@@ -268,8 +268,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     located.stages.sort_by_key(|judged| judged.stage);
     let is_ended = work.left() == 0;
     work.allow(runs.evaluations[1]);
-    let shown = found.map(|found| {
-        let changes = changes(&found);
+    let shown = suspect.map(|suspect| {
+        let changes = changes(&suspect);
         // What is written otherwise moves nothing.
         let moves = changes.iter().any(|(change, _)| change.moves());
         let distance = moves
@@ -277,7 +277,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             .flatten();
         Cause {
             distance,
-            ..found.0
+            ..suspect.0
         }
     });
     // A native run has to come nearer with it, unless it was there.
@@ -293,7 +293,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         located.left_out = Some(why.to_owned());
     }
     located.evaluations = [work.taken(), runs.evaluations[0]];
-    Some(located.seen())
+    Some(located.with_pictures())
 }
 
 /// The motion of a run over as many intervals as there are evaluations for, the samples at which they begin, and the evaluations that
@@ -310,14 +310,14 @@ fn judged_motion(
         Some((motion, samples))
     };
     let before = work.taken();
-    let mut found = of(INTERVALS)?;
+    let mut judged = of(INTERVALS)?;
     let each = ((work.taken() - before) / INTERVALS as u64).max(1);
     // Those of a run with a larger step cost as much.
     let most = (work.left() / (16 * each)) as usize;
     if most > INTERVALS {
-        found = of(most.min(SAMPLES))?;
+        judged = of(most.min(SAMPLES))?;
     }
-    Some((found.0, found.1, each))
+    Some((judged.0, judged.1, each))
 }
 
 /// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
@@ -351,8 +351,10 @@ pub(super) fn start(
     let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs().max(1.0);
     let off: Vec<f64> = first.iter().zip(&known).map(off).collect();
     let count = coordinates.len();
-    let told = (0..off.len()).filter(|k| off[*k].is_finite());
-    let most = told.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
+    let finite = (0..off.len()).filter(|k| off[*k].is_finite());
+    let most = finite
+        .max_by(|&a, &b| off[a].total_cmp(&off[b]))
+        .unwrap_or(0);
     let of = &coordinates[most % count];
     let kind = if most < count { "" } else { "rate of " };
     let note = match off[most] {

@@ -280,11 +280,11 @@ impl<'a> Model<'a> {
         let load = self.system.forces_mut().load.torque(t);
         let load = load * self.factor(|change| matches!(change, Change::Load));
         self.work.take(1);
-        let seen = self.system.observe(t, y, Detail::Forces);
-        let output = seen.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
-        let forces = seen.loads[first..].iter();
+        let observed = self.system.observe(t, y, Detail::Forces);
+        let output = observed.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
+        let forces = observed.loads[first..].iter();
         let forces = forces.map(|load| load.fx.hypot(load.fy));
-        let mut row: Vec<f64> = [seen.driver_torques[0], output]
+        let mut row: Vec<f64> = [observed.driver_torques[0], output]
             .into_iter()
             .chain(forces)
             .collect();
@@ -300,8 +300,8 @@ impl<'a> Model<'a> {
     /// Bodies at a state, and the pairs that touch there.
     pub(super) fn pairs(&mut self, t: f64, y: &[f64]) -> (Vec<BodyState>, Vec<PairContact>) {
         self.work.take(2);
-        let seen = self.system.observe(t, y, Detail::Everything);
-        let bodies = seen.bodies.to_vec();
+        let observed = self.system.observe(t, y, Detail::Everything);
+        let bodies = observed.bodies.to_vec();
         let mut pairs = Vec::new();
         if let Some(field) = &mut self.system.forces_mut().field {
             field.touching(&bodies, &mut |pair| pairs.push(*pair));

@@ -50,7 +50,7 @@ pub fn of_comparison(
         let differs = one.status.is_broken()
             || one.track == SharedModel::Measured
             || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
-        let found = match (one.track, engine) {
+        let located = match (one.track, engine) {
             _ if !differs => None,
             (SharedModel::SharedLaw, Some(engine)) => {
                 let until_s = match one.status.is_finished() {
@@ -59,13 +59,13 @@ pub fn of_comparison(
                 };
                 let cost = one.cost.rhs_calls;
                 let cost = Some(cost).filter(|cost| *cost > 0 && one.status.is_finished());
-                let found = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
-                found.filter(|found| brought || found.first().is_some())
+                let located = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
+                located.filter(|located| brought || located.first().is_some())
             }
             (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series, RECORDED),
             _ => None,
         };
-        all.extend(found);
+        all.extend(located);
     }
     Ok(all)
 }

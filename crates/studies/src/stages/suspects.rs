@@ -142,8 +142,8 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
         let damping = scene.contact.damping_n_s_m;
         let change = pairs(is_any, move |pair, law, p| {
             let elastic = pair.normal_force_at(law, 0.0);
-            let whole = damping * pair.normal_rate_m_s + elastic;
-            press(pair, p * (whole.max(0.0) - pair.normal_force_n));
+            let force = damping * pair.normal_rate_m_s + elastic;
+            press(pair, p * (force.max(0.0) - pair.normal_force_n));
         });
         add(Law, "damping", "damping without its ramp", Switch, change);
     }

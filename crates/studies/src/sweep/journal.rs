@@ -170,8 +170,8 @@ impl Journal {
         let record = record(&fs::read(&path).ok()?).filter(|r| r.identity() == identity)?;
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let written = &record.time_series;
-        let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
-        let there = !record.ending.is_finished() || file.is_none_or(whole);
+        let intact = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
+        let there = !record.ending.is_finished() || file.is_none_or(intact);
         (there && !record.ending.may_pass()).then_some(record)
     }
 

@@ -178,36 +178,38 @@ impl Distribution {
             let what = format!("`{key}` has no distribution");
             return Err(document.fault(item.line, what, near.unwrap_or_else(|| FORMS.to_owned())));
         }
-        let found: Self = document.read(key, item, FORMS)?;
+        let sample: Self = document.read(key, item, FORMS)?;
         let wrong = |what: &str| Err(document.fault(item.line, format!("`{key}`: {what}"), FORMS));
-        let widths = [found.deviation, found.plus_minus];
-        let numbers = [found.mean, found.from, found.to].into_iter().chain(widths);
+        let widths = [sample.deviation, sample.plus_minus];
+        let numbers = [sample.mean, sample.from, sample.to]
+            .into_iter()
+            .chain(widths);
         if !numbers.flatten().all(f64::is_finite) {
             return wrong("has a value that is no finite number");
         }
         if widths.iter().flatten().any(|x| *x <= 0.0) {
             return wrong("`deviation` or `plus_minus` is not above 0");
         }
-        let each = found.each.unwrap_or(1);
+        let each = sample.each.unwrap_or(1);
         if !(1..=MOST_EACH).contains(&each) {
             return wrong(&format!("`each` is no whole number from 1 to {MOST_EACH}"));
         }
-        let one_end = found.from.is_some() || found.to.is_some();
-        let both = found.from.zip(found.to);
+        let one_end = sample.from.is_some() || sample.to.is_some();
+        let both = sample.from.zip(sample.to);
         if both.is_some_and(|(from, to)| from >= to) {
             return wrong("`from` is not below `to`");
         }
-        if one_end && found.plus_minus.is_some() {
+        if one_end && sample.plus_minus.is_some() {
             return wrong("`plus_minus` and `from` or `to` are two ways to say one thing");
         }
         match widths {
-            [None, None] if found.mean.is_some() => {
+            [None, None] if sample.mean.is_some() => {
                 wrong("has a mean and no `deviation` or `plus_minus`")
             }
-            [None, None] if found.from.is_none() || found.to.is_none() => {
+            [None, None] if sample.from.is_none() || sample.to.is_none() => {
                 wrong("has no `deviation`, and not both `from` and `to`")
             }
-            _ => Ok(found),
+            _ => Ok(sample),
         }
     }
 

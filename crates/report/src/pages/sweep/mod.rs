@@ -325,7 +325,7 @@ fn runs(plan: &Plan, rows: &[Row<'_>]) -> Vec<Block> {
     for column in &mut shown.columns {
         if let Some(place) = plan.keys().position(|key| key == column.name) {
             let said = |run: usize| Some(plan.values(run)[place].to_string());
-            column.said = (0..first.len()).map(said).collect();
+            column.display = (0..first.len()).map(said).collect();
             continue;
         }
         let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();
