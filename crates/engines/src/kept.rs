@@ -137,9 +137,7 @@ impl Store {
     /// Returns the number of new runs since the store was opened.
     pub fn added(&self) -> usize {
         let files = self.files("").into_iter();
-        files
-            .filter(|(written, ..)| *written >= self.opened)
-            .count()
+        files.filter(|(at, ..)| *at >= self.opened).count()
     }
 
     /// Returns the CPU time of the latest runs of an engine on a scene, s; `None` if there are none.

@@ -189,11 +189,11 @@ impl Values {
                 continue;
             };
             let value = match chosen.what {
-                What::Pair(quantity) => {
+                What::Pair(kind) => {
                     let value = self.current[self.places[k]].map(|pair| {
                         let wheel = &bodies[self.layout.wheel_bodies().start + pair.wheel];
                         let centre = [wheel.x, wheel.y];
-                        of_pair(&pair, quantity, || {
+                        of_pair(&pair, kind, || {
                             self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
                         })
                     });
@@ -225,7 +225,7 @@ impl Values {
                         Component::VelocityY => body.vy,
                     })
                 }
-                What::Whole(quantity) => match quantity {
+                What::Whole(kind) => match kind {
                     Whole::Efficiency => Some(efficiency(powers)),
                     Whole::InputPower => Some(powers[0]),
                     Whole::OutputPower => Some(powers[1]),
@@ -246,11 +246,7 @@ impl Values {
                     Whole::BearingOffsetX | Whole::BearingOffsetY => {
                         let load = self.carrier.load(carried_by, chosen.number);
                         let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
-                        Some(if quantity == Whole::BearingOffsetX {
-                            x
-                        } else {
-                            y
-                        })
+                        Some(if kind == Whole::BearingOffsetX { x } else { y })
                     }
                     Whole::ExternalContacts => Some(self.contacts[chosen.number][0] as f64),
                     Whole::InternalContacts => Some(self.contacts[chosen.number][1] as f64),

@@ -96,44 +96,38 @@ impl Recorder {
 
     /// Records a sample from a formulation's observation, in which contacts are the only load of a pin. `shafts`: torque of the
     /// driver and load on the output, N m.
-    pub fn record_observed(&mut self, observed: &Observation<'_>, shafts: [f64; 2]) {
-        let (head, sleeves) = self.head(observed, shafts);
-        self.record_known(observed.time, head, sleeves);
+    pub fn record_observed(&mut self, at: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(at, shafts);
+        self.record_known(at.time, head, sleeves);
         if let Some(between) = &mut self.between {
             let row = &self.rows[(self.pending - 1) * self.columns.len()..];
-            between.push(observed.time, true, &points(self.layout, row));
+            between.push(at.time, true, &points(self.layout, row));
         }
     }
 
     /// Records an observation between samples.
-    pub(crate) fn record_between(&mut self, observed: &Observation<'_>, shafts: [f64; 2]) {
-        let (head, sleeves) = self.head(observed, shafts);
+    pub(crate) fn record_between(&mut self, at: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(at, shafts);
         if let Some(between) = &mut self.between {
             fill(&mut self.row, head, sleeves);
-            between.push(observed.time, false, &points(self.layout, &self.row));
+            between.push(at.time, false, &points(self.layout, &self.row));
         }
     }
 
     /// Returns the columns before the pins', and the pins' loads.
     fn head<'a>(
         &self,
-        observed: &Observation<'a>,
+        at: &Observation<'a>,
         [driver_torque, load]: [f64; 2],
     ) -> ([f64; columns::HEAD.len()], &'a [Wrench]) {
-        let sleeves = &observed.loads[self.layout.external_bodies().start..];
+        let sleeves = &at.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
         // Moment on the output without its load.
-        let torque = match observed.moments {
+        let torque = match at.moments {
             Some(moments) => moments[output] - load,
-            None => {
-                self.output_torque(observed.bodies, sleeves)
-                    + (observed.loads[output].moment - load)
-            }
+            None => self.output_torque(at.bodies, sleeves) + (at.loads[output].moment - load),
         };
-        (
-            [driver_torque, torque, observed.bodies[output].angle],
-            sleeves,
-        )
+        ([driver_torque, torque, at.bodies[output].angle], sleeves)
     }
 
     /// Records a sample from known pin forces (ground frame, N, external then internal). Other torques on the output, without

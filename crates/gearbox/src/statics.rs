@@ -542,8 +542,8 @@ impl<'a> Statics<'a> {
         let (shape, left) = (solve(&stiffness)?, solve(&stiffness.transpose())?);
         let stiffness = -1.0 / shape[0];
         let damping = -stiffness * stiffness * left.dot(&(damping * shape));
-        let relative = self.gearbox.scene.carrier_moment_per_output().powi(2);
-        Some([stiffness, damping].map(|of_carrier| of_carrier / relative))
+        let states = self.gearbox.scene.carrier_moment_per_output().powi(2);
+        Some([stiffness, damping].map(|of_carrier| of_carrier / states))
     }
 
     /// Returns true if the ideal mesh is in balance without a load, but for rounding. No other rest position within the play is
@@ -776,12 +776,10 @@ impl<'a> Statics<'a> {
                 [speed * (b - a) / (2.0 * h), bend]
             };
             // Rates are relative to the ring, accelerations to the ground.
-            let relative = [&before, &here, &after].map(|at| at.bodies.clone());
-            let ground = relative
-                .clone()
-                .map(|bodies| self.gearbox.to_ground(bodies));
+            let states = [&before, &here, &after].map(|at| at.bodies.clone());
+            let ground = states.clone().map(|bodies| self.gearbox.to_ground(bodies));
             let course = |body: usize, of: fn(&BodyState) -> f64| {
-                let [[rate, _], [_, bend]] = [&relative, &ground].map(|at| {
+                let [[rate, _], [_, bend]] = [&states, &ground].map(|at| {
                     let [b, m, a] = [0, 1, 2].map(|k| of(&at[k][body]));
                     derivatives(b, m, a)
                 });

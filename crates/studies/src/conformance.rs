@@ -435,11 +435,10 @@ impl Trials<'_> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
             && self.stages.get().is_none()
-            && let Some(located) =
-                of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
+            && let Some(stage) = of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
         {
-            let located = self.stages.get_or_init(|| located);
-            return failed(format!("{why}; {}", located.sentence()));
+            let stage = self.stages.get_or_init(|| stage);
+            return failed(format!("{why}; {}", stage.sentence()));
         }
         Err(miss)
     }

@@ -108,18 +108,16 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
 }
 
 /// Returns state and text of a verdict. Verdicts that need action are failures.
-fn ended(assessment: &Assessment) -> (State, String) {
-    let word = assessment.verdict.word();
+fn ended(case: &Assessment) -> (State, String) {
+    let word = case.verdict.word();
     let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |v| format!("{v:.2e}"));
-    let reason = format!("{word}: {}", assessment.reason);
-    match (assessment.verdict, assessment.actionable) {
-        (Verdict::Inconclusive, true) => {
-            (State::Failed, format!("{reason}; {}", assessment.remedy))
-        }
+    let reason = format!("{word}: {}", case.reason);
+    match (case.verdict, case.actionable) {
+        (Verdict::Inconclusive, true) => (State::Failed, format!("{reason}; {}", case.remedy)),
         (Verdict::Inconclusive | Verdict::NotCompared, _) => (State::Skipped, reason),
         (Verdict::Differ, true) => {
-            let (difference, bound) = (number(assessment.difference), number(assessment.bound));
-            let against = assessment.against.word();
+            let (difference, bound) = (number(case.difference), number(case.bound));
+            let against = case.against.word();
             let why = format!("{word}: {difference} against a {against} of {bound}");
             (State::Failed, why)
         }

@@ -130,12 +130,12 @@ impl ContactField {
         let Some(mut frame) = self.ring.take() else {
             return;
         };
-        from_ring(bodies, &mut frame.relative);
+        from_ring(bodies, &mut frame.local);
         frame.own.clear();
         frame.own.resize(bodies.len(), Wrench::default());
         let mut asked = Evaluation::of_loads(&mut frame.own);
         asked.energy = request.energy.take();
-        self.evaluate(&frame.relative, &mut asked);
+        self.evaluate(&frame.local, &mut asked);
         request.energy = asked.energy;
         if let Some(loads) = &mut request.loads {
             frame.add_to_ground(&bodies[Layout::OUTPUT], loads);
@@ -146,11 +146,9 @@ impl ContactField {
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     pub fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.relative);
+            from_ring(bodies, &mut frame.local);
             let ring = &bodies[Layout::OUTPUT];
-            self.touching(&frame.relative, &mut |pair| {
-                visit(&pair_to_ground(pair, ring))
-            });
+            self.touching(&frame.local, &mut |pair| visit(&pair_to_ground(pair, ring)));
             self.ring = Some(frame);
             return;
         }
@@ -162,8 +160,8 @@ impl ContactField {
     /// crank's bearing replaces the pin in its hole.
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.relative);
-            let pair = self.nearest(&frame.relative, wheel, sleeve);
+            from_ring(bodies, &mut frame.local);
+            let pair = self.nearest(&frame.local, wheel, sleeve);
             self.ring = Some(frame);
             return pair_to_ground(&pair, &bodies[Layout::OUTPUT]);
         }
@@ -197,8 +195,8 @@ impl ContactField {
     /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.
     pub fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.relative);
-            let sum = self.energy(&frame.relative);
+            from_ring(bodies, &mut frame.local);
+            let sum = self.energy(&frame.local);
             self.ring = Some(frame);
             return sum;
         }

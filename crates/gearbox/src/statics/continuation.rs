@@ -240,9 +240,7 @@ impl Statics<'_> {
             let looser = Arc::new(carrier.share(1.0, next));
             let looser = self.problem(full.phi, full.load, &looser);
             match self.newton(&looser, &mut there, None) {
-                looser_balance @ Some(_) => {
-                    (share, u, step, left) = (next, there, 2.0 * step, looser_balance)
-                }
+                root @ Some(_) => (share, u, step, left) = (next, there, 2.0 * step, root),
                 None => step *= 0.5,
             }
         }

@@ -127,9 +127,8 @@ impl Record {
             let signals = case.quantity.iter().filter(|(quantity, _)| {
                 !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
             });
-            let (quantity, signal) =
-                signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
-            Some((scene, case, *quantity, signal.error))
+            let (quantity, worst) = signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
+            Some((scene, case, *quantity, worst.error))
         });
         let mut farthest: Vec<_> = farthest.collect();
         farthest.sort_by(|(.., a), (.., b)| b.total_cmp(a));

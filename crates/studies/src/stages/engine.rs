@@ -149,9 +149,8 @@ pub fn of_engine(
         let kept = if level < LEVELS { search / 8 } else { 0 };
         located = judge(&own, Some((&finer, falls)), kept);
         // Steps that are far too long show no order.
-        let is_open = |located: &Located| {
-            located.cause.is_none() && located.first() >= Some(Stage::Equations)
-        };
+        let is_open =
+            |place: &Located| place.cause.is_none() && place.first() >= Some(Stage::Equations);
         if !located.as_ref().is_some_and(is_open) {
             break;
         }

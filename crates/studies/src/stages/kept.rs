@@ -123,11 +123,9 @@ pub(super) fn of_record(
             finer: None,
             evaluations: [evaluations; 2],
         };
-        let located = locate(gearbox, runs)?;
-        let mut cause = located.cause.iter();
-        return cause
-            .any(|cause| cause.explained >= SURE)
-            .then_some(located);
+        let place = locate(gearbox, runs)?;
+        let mut cause = place.cause.iter();
+        return cause.any(|cause| cause.explained >= SURE).then_some(place);
     }
     let times = run.time_s().get(..run.len().min(SHOWN))?;
     (*times.first()? == 0.0).then_some(())?;
@@ -160,5 +158,5 @@ pub(super) fn of_record(
         bound,
         evaluations,
     };
-    of_kept(gearbox, &kept, &figures).filter(|located| located.cause.is_some())
+    of_kept(gearbox, &kept, &figures).filter(|place| place.cause.is_some())
 }

@@ -351,10 +351,8 @@ pub(super) fn start(
     let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs().max(1.0);
     let off: Vec<f64> = first.iter().zip(&known).map(off).collect();
     let count = coordinates.len();
-    let finite = (0..off.len()).filter(|k| off[*k].is_finite());
-    let most = finite
-        .max_by(|&a, &b| off[a].total_cmp(&off[b]))
-        .unwrap_or(0);
+    let list = (0..off.len()).filter(|k| off[*k].is_finite());
+    let most = list.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
     let of = &coordinates[most % count];
     let kind = if most < count { "" } else { "rate of " };
     let note = match off[most] {
