@@ -1,8 +1,8 @@
-//! Checks a solver from outside: everything that comparisons rely on, one trial after the other.
+//! Conformance check of an external solver: trials of everything that comparisons rely on.
 //!
-//! Each [`Finding`] is a small run or two of the preset `paper`, or of a scene that the solver honours instead. A solver that
-//! shares the law is held against the native one on every law and kind of contact it honours, column by column; a solver
-//! with contacts of its own is asked for signs and sizes.
+//! A trial takes one or two short runs of the preset `paper`, or of a scene that the solver supports. A solver that uses the
+//! scene's contact law is compared with the native solver column by column, on every law and kind of contact it supports. A
+//! solver with its own contacts is checked for signs and magnitudes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,13 +53,13 @@ pub struct Outcome {
     pub solver: String,
     /// Version of the solver.
     pub version: String,
-    /// Track of the solver.
+    /// Part of the model that the solver shares with the native one.
     pub track: SharedModel,
     /// Verdict in one line: agrees, or differs and where.
     pub answer: String,
     /// Outcomes of the trials, in their order.
     pub findings: Vec<Finding>,
-    /// Stages at the first failure that shows them.
+    /// Stages judged at the first failure that allows it.
     pub stages: Option<Located>,
 }
 
@@ -101,7 +101,7 @@ type Observation = Result<String, Miss>;
 enum Miss {
     /// Trial that failed or was skipped, with the observation.
     Ended(State, String),
-    /// The check cannot go on.
+    /// Error that ends the check.
     Study(StudyError),
 }
 
@@ -121,28 +121,28 @@ fn skipped<T>(message: impl ToString) -> Result<T, Miss> {
 
 /// Largest relative difference from the native run in the first sample of a solver that shares the law: rounding.
 const FIRST: f64 = 1e-8;
-/// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
-/// must be seen.
+/// Share of the stated order that a solver with a tolerance must show. A tolerance bounds the error of one step only, and step
+/// sizes change abruptly.
 const TOLERANCE_SHARE: f64 = 0.3;
 /// Bound of the native run's own error.
 const NATIVE: f64 = 1e-6;
-/// Length of a run that is held against numbers, radians of the contacts' vibration: two and a half of its periods.
+/// Length of a run that is compared with the native solver, radians of the contacts' vibration: two and a half periods.
 const SHORT_RAD: f64 = 16.0;
-/// Step of such a run, in the same radians: Heun's error is then a thousandth.
+/// Step of that run, radians of the contacts' vibration. The error of Heun's method is then a thousandth.
 const STEP_RAD: f64 = 0.02;
-/// Largest relative L2 distance of a quantity of a short run that is right. Heun's method comes within 8e-5; of the faults
-/// tried the smallest (damping without its ramp) makes 2e-3.
+/// Largest relative L2 distance of a quantity in a correct short run. Heun's method reaches 8e-5; the smallest fault tried,
+/// damping without its ramp, gives 2e-3.
 const RIGHT: f64 = 5e-4;
-/// Same bound for a solver without `[refine]`, whose own error is unknown.
+/// Value of [`RIGHT`] for a solver without `[refine]`, whose own error is unknown.
 const UNREFINED: f64 = 2e-2;
-/// Largest number of runs, each at a quarter of the step, of a solver whose own error may be why it is not [`RIGHT`].
+/// Largest number of runs, each at a quarter of the step, of a solver whose own error may explain that it misses [`RIGHT`].
 const LEVELS: i32 = 4;
-/// Longest time that a solver may need to end after a request.
+/// Longest time that a solver may need to stop after a request, s.
 const ENDS_S: f64 = 3.0;
-/// Time after which a solver is ended that is tried on a run without end.
+/// Time limit of the endless run that tests stopping.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Trial as `trials.toml` has it.
+/// Trial as read from `trials.toml`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trial {
@@ -154,7 +154,7 @@ pub struct Trial {
     pub what: String,
     /// True if a refusal of a scene is no failure.
     may_refuse: bool,
-    /// Scenes that are held against the native run.
+    /// Scenes that are compared with the native run.
     pub scenes: Vec<Held>,
 }
 
@@ -162,21 +162,21 @@ pub struct Trial {
 #[derive(Debug, Clone, Deserialize)]
 pub struct Held {
     name: String,
-    /// Preset; `paper` if it names none.
+    /// Preset; `paper` by default.
     #[serde(default)]
     preset: Option<String>,
-    /// Keys that it changes.
+    /// Keys changed in the preset.
     pub set: Vec<String>,
 }
 
-/// All trials, embedded; a test reads them.
+/// All trials, from the embedded `trials.toml`.
 pub static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     let table: BTreeMap<String, Vec<Trial>> =
         toml::from_str(include_str!("trials.toml")).unwrap_or_default();
     table.into_values().flatten().collect()
 });
 
-/// States and contact forces of all bodies of a case: case, body, x, y, angle, vx, vy, rate, force x and y, moment.
+/// States and contact forces of one body of a case: case, body, [x, y, angle, vx, vy, rate], force x, force y, moment.
 type Vector = (String, usize, [f64; 6], f64, f64, f64);
 
 /// Cases and bodies of the law vectors.
@@ -196,18 +196,18 @@ fn rows<T: DeserializeOwned>(text: &str) -> Vec<T> {
     reader.deserialize().filter_map(Result::ok).collect()
 }
 
-/// Solver, control and keys with which trials are made.
+/// Inputs of all trials of a solver.
 struct Trials<'a> {
     solver: &'a Solver,
-    /// Without progress.
+    /// Control without progress reports.
     control: Control<'a>,
-    /// Keys of every scene.
+    /// Keys set in every scene.
     set: [String; 2],
-    /// Stages of the first failure that shows them.
+    /// Stages judged at the first failure that allows it.
     stages: OnceLock<Located>,
 }
 
-/// Tries a solver.
+/// Runs all trials of a solver.
 ///
 /// # Errors
 /// Stopped; a scene of the suite that cannot be modelled.
@@ -254,7 +254,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     })
 }
 
-/// Returns the verdict of the findings in one line.
+/// Returns the verdict in one line.
 fn answer(findings: &[Finding], track: SharedModel) -> String {
     let with = |state: State| findings.iter().filter(move |f| f.state == state);
     if let Some(first) = with(State::Failed).next() {
@@ -272,7 +272,7 @@ fn answer(findings: &[Finding], track: SharedModel) -> String {
     }
 }
 
-/// Laws that a solver honours.
+/// Returns the laws that a solver supports.
 fn honoured(solver: &Solver) -> impl Iterator<Item = &'static str> {
     let laws = laws::LAWS.iter().map(|law| law.name);
     laws.filter(|law| solver.manifest().honours_law(law))
@@ -319,7 +319,7 @@ impl Trials<'_> {
         }
     }
 
-    /// Returns a preset with these keys.
+    /// Returns a preset with changed keys.
     fn scene(&self, preset: &str, set: &[String]) -> Result<CheckedScene, Miss> {
         let keys = self.set.iter().chain(set).map(|key| key.parse());
         let keys: Result<Vec<Override>, _> = keys.collect();
@@ -330,7 +330,7 @@ impl Trials<'_> {
         self.solver.track() == SharedModel::SharedLaw
     }
 
-    /// Runs the solver or the native one; a run that does not finish is a miss of that `state`.
+    /// Runs an engine on a scene. A run that does not finish ends the trial with `state`.
     fn run(&self, engine: &dyn Engine, scene: &CheckedScene, state: State) -> Result<Run, Miss> {
         let ran = engine.run(scene, &self.control)?.finished();
         ran.map_err(|ending| Miss::Ended(state, format!("{} {ending}", engine.name())))
@@ -344,14 +344,14 @@ impl Trials<'_> {
         Ok(self.run(&engine, scene, State::Skipped)?.time_series)
     }
 
-    /// Runs the solver with another setting of the key of `[refine]`.
+    /// Runs the solver with another value of its accuracy setting (`[refine]`).
     fn at(&self, scene: &Scene, knob: AccuracySetting, setting: f64) -> Result<TimeSeries, Miss> {
         let mut scene = scene.clone();
         knob.set(&mut scene, setting);
         Ok(self.own(&scene.check().or_else(failed)?)?.time_series)
     }
 
-    /// Returns the key of `[refine]`, the factor between two of its settings, which is `by` for steps, and the error's order in it.
+    /// Returns the accuracy setting, the factor between two of its values (`by` for steps), and the order of the error in it.
     fn refinement(&self, by: f64, rough: Rough) -> Option<(AccuracySetting, f64, Method)> {
         let refinement = self.solver.info().refinement?;
         let (order, rough) = (refinement.order, Some(rough));
@@ -362,8 +362,8 @@ impl Trials<'_> {
         Some((refinement.knob, ratio, method))
     }
 
-    /// Holds the solver against the native one on a short scene, as long as its vibration asks for; the relative L2 of the
-    /// quantity that is farthest off. What the solver's own step explains is made smaller until it is [`RIGHT`].
+    /// Compares the solver with the native one on a short scene and returns the relative L2 distance of the worst quantity. The
+    /// solver's setting is refined while its own error may explain that it misses [`RIGHT`].
     fn held(&self, scene: &CheckedScene) -> Result<f64, Miss> {
         let scene = scene.changed(|scene| {
             let rad_s = Frequencies::of(scene).contact_rad_s;
@@ -400,7 +400,7 @@ impl Trials<'_> {
         right(off, RIGHT, &fine, &truth).or_else(|miss| self.located(&scene, miss))
     }
 
-    /// Holds the first row of a run from a state of the law vectors against their forces.
+    /// Compares the first row of a run from a state of the law vectors with their forces.
     fn vector(&self, case: &str, scene: &CheckedScene) -> Result<f64, Miss> {
         let short = scene.changed(|scene| {
             let solver = &mut scene.solver;
@@ -430,7 +430,7 @@ impl Trials<'_> {
         right(apart(&row, &truth), FIRST, &row, &truth).or_else(|miss| self.located(scene, miss))
     }
 
-    /// Adds to the first failure the stage that is off.
+    /// Adds the first stage that differs to the first failure.
     fn located<T>(&self, scene: &CheckedScene, miss: Miss) -> Result<T, Miss> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
@@ -443,7 +443,7 @@ impl Trials<'_> {
         Err(miss)
     }
 
-    /// Holds the solver by `hold` on several scenes. One that its manifest rules out is not held.
+    /// Applies `hold` to several scenes. Scenes that the solver's manifest excludes are skipped.
     fn all_held(
         &self,
         trial: &Trial,
@@ -592,7 +592,7 @@ impl Trials<'_> {
             "order {observed:.2} of {}, differences {:.1e} and {:.1e}",
             stated.order, coarse.difference, fine.difference
         );
-        // At rounding there is no order left to see.
+        // At rounding level no order can be measured.
         let falls = fine.difference < 1e-10 || observed >= least;
         if !self.shares_the_law() {
             return if falls { Ok(order) } else { failed(order) };
@@ -627,7 +627,7 @@ impl Trials<'_> {
         }
     }
 
-    /// Stops a run without end by hand and by a limit.
+    /// Stops an endless run by a request and by a time limit.
     fn stop(&self, scene: &CheckedScene) -> Observation {
         let gearbox = compile(scene)?;
         let (by_hand, begun) = (AtomicBool::new(false), Instant::now());
@@ -663,7 +663,7 @@ impl Trials<'_> {
 /// First words of the refusal of a scene ([`Ending::Unsupported`]).
 const CANNOT: &str = "cannot run this scene";
 
-/// Passes a run that is no more than `most` off, and names its largest difference otherwise.
+/// Accepts a run that is at most `most` off; otherwise returns its largest difference as the failure.
 fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f64, Miss> {
     if off <= most {
         Ok(off)
@@ -672,8 +672,8 @@ fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f6
     }
 }
 
-/// Returns the relative L2 distance of each quantity of `a` from `b`, all its columns together, the largest first, without the
-/// output's angle, which grows.
+/// Returns the relative L2 distance of each quantity of `a` from `b` over all its columns, largest first. The output angle is
+/// left out because it grows.
 fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
     let mut errors = Vec::new();
     for quantity in derive([a, b]) {
@@ -685,17 +685,18 @@ fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
             errors.push((relative_l2(&own, &other, 0.0), quantity));
         }
     }
-    // What is not a number is farther off than any.
+    // NaN counts as the largest error.
     errors.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     errors
 }
 
-/// Returns the distance of the quantity that is farthest off.
+/// Returns the distance of the worst quantity.
 fn apart(a: &TimeSeries, b: &TimeSeries) -> f64 {
     distances(a, b).first().map_or(f64::NAN, |(off, _)| *off)
 }
 
-/// Column and time of the largest difference, in words: of the quantity that is farthest off, and of the pins' where that is another.
+/// Returns column and time of the largest difference in words, for the worst quantity, and for the pin forces if these are not
+/// the worst.
 fn place(a: &TimeSeries, b: &TimeSeries) -> String {
     let errors = distances(a, b);
     let of_pins = errors.iter().position(|(_, quantity)| quantity.is_force());
@@ -708,7 +709,7 @@ fn place(a: &TimeSeries, b: &TimeSeries) -> String {
     places.join(", ")
 }
 
-/// Returns the largest difference of these columns of `a` from those of `b`, in words.
+/// Returns the largest difference between these columns of `a` and `b`, in words.
 fn farthest(names: &[String], a: &TimeSeries, b: &TimeSeries) -> String {
     let (mut peak, mut far, mut at) = (f64::MIN_POSITIVE, 0.0, (names[0].as_str(), 0.0));
     for name in names {
@@ -724,10 +725,10 @@ fn farthest(names: &[String], a: &TimeSeries, b: &TimeSeries) -> String {
     off_at(at.0, far / peak, at.1)
 }
 
-/// `external_sleeve_force_n_3 is 12 % off at t = 0.0031 s`: a share of the quantity's peak.
+/// Returns words such as `external_sleeve_force_n_3 is 12 % off at t = 0.0031 s`. The share is relative to the quantity's peak.
 fn off_at(column: &str, share: f64, time_s: f64) -> String {
     let percent = 100.0 * share;
-    // Two digits, whole where there are more.
+    // Two significant digits; no decimals from 10 % up.
     let decimals = (1.0 - percent.log10().floor()).clamp(0.0, 12.0) as usize;
     let time = match time_s {
         0.0 => "0".to_owned(),

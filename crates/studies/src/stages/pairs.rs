@@ -1,4 +1,4 @@
-//! Stages of the engines of a comparison that differ from the native solver.
+//! Judgement of the engines of a comparison that differ from the native solver.
 
 use pinwheel_compare::comparison::Pair;
 use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict};
@@ -11,11 +11,11 @@ use super::kept::{RECORDED, of_record};
 use super::locate::Located;
 use crate::divergence::shares;
 
-/// Share of the largest difference from which a run has departed.
+/// Share of the largest difference from which a run counts as departed.
 const DEPARTED: f64 = 0.2;
 
-/// Judges the stages of every engine with the scene's law that differs from a native run or diverged, of solvers from outside
-/// that are inconclusive too, and of records. Engines with contacts of their own are never judged.
+/// Judges the stages of every engine with the scene's law that differs from a native run or diverged. Inconclusive external
+/// solvers and records are judged too; engines with contacts of their own are not.
 ///
 /// # Errors
 /// A stop.
@@ -46,7 +46,7 @@ pub fn of_comparison(
         let asked =
             |verdict| verdict == Verdict::Differ || verdict == Verdict::Inconclusive && brought;
         let mut pairs = comparison.pairs.iter().filter(is_of);
-        // A record without limits has no verdict.
+        // Records without limits have no verdict.
         let differs = one.status.is_broken()
             || one.track == SharedModel::Measured
             || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
@@ -70,7 +70,7 @@ pub fn of_comparison(
     Ok(all)
 }
 
-/// First time at which two runs on the same samples are apart by a good part of their largest distance, s.
+/// Returns the first time at which two runs with the same samples are [`DEPARTED`] of their largest distance apart, s.
 fn departure_s(a: &TimeSeries, b: &TimeSeries) -> f64 {
     let apart = shares(a, b, 1.0);
     let most = apart.iter().copied().fold(0.0, f64::max);
