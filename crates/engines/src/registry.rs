@@ -1,4 +1,4 @@
-//! Engines of this build, made by their families.
+//! Engines of this build, created by their families.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,7 +33,7 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 /// Returns the command that adds an engine missing in this build; `None` for engines of every build.
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
-    // Where a Python holds us, its packages are the engines; one command installs all that are not here.
+    // Inside a Python process its packages are the engines; one command installs all missing ones.
     #[cfg(all(feature = "python", not(feature = "crossval")))]
     if crate::python::requirement(info.package).is_some() {
         let pins = lacking().filter_map(|info| crate::python::requirement(info.package));

@@ -165,7 +165,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let constraints = mechanism.constraints();
     let mut modelled = Statements::default();
     let mut left_out = Statements::default();
-    // Read last: what the gear is comes before how it is computed.
+    // Equations come last: the gear is described before its computation.
     let mut equations = Statements::default();
 
     let revolutes = mechanism.revolutes.len();

@@ -58,7 +58,7 @@ pub enum NativeError {
     /// The observer requested a stop.
     #[error("stopped")]
     Stopped,
-    /// The run ended early, but a complete one is required ([`NativeRun::whole`]).
+    /// The run ended early, but a complete one is required ([`NativeRun::finished`]).
     #[error(transparent)]
     Ended(#[from] Ending),
     /// Recording failed.

@@ -96,14 +96,13 @@ pub fn load(name: &str, set: &[&str]) -> Result<CheckedScene, StudyError> {
     Ok(Scene::load(name, &parsed.collect::<Result<Vec<_>, _>>()?)?)
 }
 
-/// Runs a scene on one engine. `"native"` is our solver in the form that the scene asks for.
+/// Runs a scene on one engine. `"native"` is Pinwheel's solver in the formulation that the scene states.
 ///
-/// A native run is made once more at twice its step: the outcome's
-/// [`resolution`](studies::single::Outcome::resolution) says whether the step resolves the scene. A run that diverges
-/// is an outcome too, with its time series until then.
+/// A native run is repeated at twice its step: [`resolution`](studies::single::Outcome::resolution) states whether the step
+/// resolves the scene. The outcome of a run that diverges has its time series until then.
 ///
 /// # Errors
-/// No such engine, or one that cannot run the scene or broke.
+/// The engine does not exist, cannot run the scene, or failed.
 pub fn run(scene: &CheckedScene, engine: &str) -> Result<single::Outcome, StudyError> {
     let engine = choice::find(engine, scene)?;
     single::run(&compile(scene)?, engine.as_ref(), true, &Control::quiet())
@@ -122,7 +121,7 @@ pub fn compare(scene: &CheckedScene, engines: &[&str]) -> Result<comparison::Out
     comparison::run(&input, &Control::quiet())
 }
 
-/// The gearbox of a scene: what is computed once for all engines and runs.
+/// Compiles a scene to its gearbox, which all engines and runs share.
 ///
 /// # Errors
 /// A scene that cannot be modelled.

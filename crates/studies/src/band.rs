@@ -1,9 +1,8 @@
 //! Figures of a gear under other contact laws, and with a fit, by statics.
 //!
-//! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
-//! made under each of them, at the same few poses and without friction. The envelope of what comes out is the band of a figure: an interval, not a
-//! distribution, and never added to the numerical uncertainty. It is a spread of models; data that would validate one of them
-//! are not known.
+//! Several laws may be right for rollers of a pair of materials, and no published data validate one of them. The same balances are
+//! therefore solved under each law, at the same few poses and without friction. The envelope of the results is the band of a
+//! figure. The band is a spread of models: an interval, not a distribution, and never added to the numerical uncertainty.
 //!
 //! | materials | laws |
 //! |---|---|
@@ -53,12 +52,12 @@ static LEADING: [&FigureDef; 5] = [
 /// Tolerance for a figure inside its band, relative: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
-/// Figures with their bands; see the module.
+/// Figures with their bands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bands {
     /// Names and settings of the laws compared.
     pub laws: Vec<String>,
-    /// Why the scene asks for no laws ([`declined`]); its figures then have intervals by fit alone.
+    /// Reason why the scene requires no laws ([`declined`]); its figures then have intervals by fit only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub declined: Option<&'static str>,
     /// The scene's law.
@@ -186,7 +185,7 @@ fn is_steel(material: Material) -> bool {
     (1.9e11..=2.2e11).contains(&material.young) && (0.26..=0.32).contains(&material.poisson)
 }
 
-/// Returns the laws that may apply to a scene's rollers, or those that it names: a label, and the scene with each.
+/// Returns the laws that may apply to a scene's rollers, or the laws named by the scene: a label, and the scene with each.
 fn laws(scene: &Scene) -> Vec<(String, Scene)> {
     let with = |law: &str, change: &dyn Fn(&mut Scene)| {
         let mut scene = scene.clone();
@@ -232,7 +231,7 @@ fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, St
     balanced(figures_of(scene, cancel))
 }
 
-/// Returns `None` for what cannot be balanced.
+/// Returns `None` for a gear without a balance.
 pub(crate) fn balanced<T>(solved: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
     match solved {
         Ok(solved) => Ok(Some(solved)),
@@ -252,13 +251,13 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// True if a scene asks for no laws, and has no fits that statics could compare.
+/// True if a scene requires no laws and has no fits that statics can compare.
 fn is_alone(scene: &Scene) -> bool {
     declined(scene).is_some() && scene.uncertain.is_empty()
 }
 
-/// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]) and
-/// has no toleranced keys, or that cannot be balanced.
+/// Returns the bands of a gear's figures under its largest load. `None` for a gear without load, without a balance, or without
+/// toleranced keys and laws ([`declined`]).
 ///
 /// # Errors
 /// Cancelled.
@@ -270,7 +269,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     of_known(statics, control)
 }
 
-/// Like [`of`], with a solver that may know some balances.
+/// Computes the bands like [`of`], with a solver that may have stored balances.
 pub(crate) fn of_known(
     mut known: Statics<'_>,
     control: &Control<'_>,

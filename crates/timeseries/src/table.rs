@@ -147,7 +147,7 @@ impl Mark {
     }
 }
 
-/// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`integers`](Self::whole) add a column, all other calls
+/// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`integers`](Self::integers) add a column, all other calls
 /// change the last one.
 #[must_use]
 #[derive(Debug)]

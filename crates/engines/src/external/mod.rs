@@ -198,7 +198,7 @@ impl Solver {
         self.judge(gearbox, &handle, &ended, &log, message)
     }
 
-    /// Runs it on a job file of another text than the scene's, made of it by `text`.
+    /// Runs the solver on a job file that `text` derives from the scene's.
     ///
     /// # Errors
     /// A stop.

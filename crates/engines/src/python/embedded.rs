@@ -27,7 +27,8 @@ pub fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
-/// Returns the ending for an environment whose package cannot be loaded. One that the user `named` is the user's to repair.
+/// Returns the ending for an environment whose package cannot be loaded. The user has to repair an environment that was
+/// `named`.
 pub fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {

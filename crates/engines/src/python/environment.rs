@@ -67,7 +67,7 @@ pub struct Environment {
 }
 
 impl Requirements {
-    /// Says what the packages still need on this machine, without making anything; `None` if they are there.
+    /// Returns the packages that are missing on this machine, without installing any; `None` if all are present.
     pub(crate) fn needs(self) -> Option<String> {
         let why = |halt: Halt| Some(halt.to_string());
         let interpreter = match interpreter() {

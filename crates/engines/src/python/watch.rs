@@ -1,7 +1,7 @@
 //! Python run on its own thread, with progress and cancellation on the caller's.
 //!
-//! Python objects cannot borrow, and [`Control`] is a borrow. So times go to the caller's thread through a channel, and its
-//! answer comes back.
+//! Python objects cannot borrow, and [`Control`] is a borrow. Therefore a channel carries times to the caller's thread, and
+//! another one its answers.
 
 use std::panic::resume_unwind;
 use std::sync::Mutex;

@@ -85,7 +85,7 @@ pub(super) fn version() -> String {
     }
 }
 
-/// Says what is missing, and how it is installed.
+/// Returns the missing parts and how to install them.
 pub(super) fn needs() -> Option<String> {
     let missing = || format!("Simbody is not installed; install it ({REMEDY})");
     installed().is_none().then(missing)

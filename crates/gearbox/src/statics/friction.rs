@@ -1,9 +1,9 @@
-//! Balances with friction: everything that rubs slides, in a direction that a slow motion gives.
+//! Balances with friction: every sliding contact slides in the direction of a slow motion.
 //!
-//! Two motions give it. In the first the input turns under a constant load, and parts slide as in the ideal mesh. In the second
-//! the input is locked, the load rises or falls, and parts slide as the balance moves: du/dT = -J^-1 e, with J the derivatives of
-//! the residual with friction and e the output's moment. Sliding and balance are found in turn. Damping and inertia have no part.
-//! Pins that turn without a stated friction of their own roll freely.
+//! There are two such motions. In the first the input turns under a constant load, and parts slide as in the ideal mesh. In the
+//! second the input is locked, the load rises or falls, and parts slide as the balance moves: du/dT = -J^-1 e. J is the
+//! Jacobian of the residual with friction, and e the output's moment. Sliding and balance are solved alternately. Damping and
+//! inertia are left out. Pins that turn without a stated friction of their own roll freely.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ const LEAST_GROWTH: f64 = 1.05;
 /// Balance, rates of its unknowns, and inverse derivatives of the rates that they miss.
 type Sliding = (Equilibrium, DVector<f64>, DMatrix<f64>);
 
-/// Leaves of a scene what slow motion has.
+/// Returns the scene reduced to the properties that act in slow motion.
 pub fn slow(mut scene: Scene) -> Scene {
     let (contact, bearings) = (&mut scene.contact, &mut scene.bearings);
     (contact.damping_n_s_m, contact.restitution) = (0.0, 1.0);

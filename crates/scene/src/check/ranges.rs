@@ -124,10 +124,10 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Young's moduli of what gears are made of, Pa.
+/// Young's moduli of gear materials, Pa.
 const SOLID_PA: std::ops::RangeInclusive<f64> = 1e9..=1.3e12;
 
-/// The row's hint, with what was meant where another unit would do: a length in millimetres, a modulus in GPa or MPa.
+/// Returns the row's hint, with the probable meaning if another unit fits: a length in millimetres, a modulus in GPa or MPa.
 fn meant(row: &Key, range: Range, number: f64) -> String {
     let factors: &[f64] = match row.unit() {
         "m" => &[1e-3],

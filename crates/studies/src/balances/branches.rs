@@ -87,7 +87,7 @@ impl Balances {
             .then(|| GearboxError::Sticks.to_string())
     }
 
-    /// Takes the values of forces and of what follows from them where there is no balance with friction.
+    /// Removes the values of forces and of dependent figures, for a gear without a balance with friction.
     pub(crate) fn withhold_forces(&self, figures: &mut [Figure]) {
         let Some(why) = self.locked() else { return };
         for figure in figures {

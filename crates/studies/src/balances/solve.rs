@@ -19,7 +19,7 @@ use crate::{Control, StudyError};
 const STIFF: [f64; 2] = [0.5, 1.0];
 /// Share of the rated torque for no load: contacts still determine the output angle.
 pub(crate) const NO_LOAD: f64 = 1e-4;
-/// Poses at which stiffness, lost motion and hysteresis are found.
+/// Number of poses for stiffness, lost motion and hysteresis.
 pub(crate) const POSES: usize = 24;
 /// Poses at which contact laws are compared.
 pub(crate) const FEW: usize = 24;
@@ -52,8 +52,9 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     Ok(gearbox.along_carrier_n_m(working))
 }
 
-/// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
-/// them; with friction where `rubs`, which needs two more under the rated load. `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
+/// Solves all balances behind the figures: the twist at a few of the poses, then the rated load and almost none at all poses.
+/// `rubs` adds friction, which takes two more balances under the rated load. `step` receives the index of the balance, its
+/// pose, and the number of poses.
 pub(crate) fn balances(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
@@ -110,7 +111,7 @@ pub fn few_figures(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Figure>
     few_figures_by(&mut statics, true, cancel)
 }
 
-/// [`few_figures`] by a solver that may know some of the balances, with friction or without.
+/// Computes [`few_figures`] by a solver that may have stored balances, with friction or without.
 pub(crate) fn few_figures_by(
     statics: &mut Statics<'_>,
     rubs: bool,

@@ -1,9 +1,9 @@
 //! Stage that changed since the acceptance of a case.
 //!
 //! ```text
-//! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
-//!                   where they are the same: equations, if joints moved most, or integration
-//! a solver's        its present run at its own states
+//! native solver     accepted converged figures against the present model with suspected changes: the model;
+//!                   if they are equal: the equations if joint errors changed most, otherwise the integration
+//! external solver   its present run at its own states
 //! ```
 
 use pinwheel_engines::by_name;

@@ -4,8 +4,8 @@
 //!  engines ──the dearest first──> jobs threads ──> refine ──> participants in the engines' order
 //!            in Python: another process refines ahead and stores its runs for refine
 //! ```
-//! CPU time is measured by the clock of each run's own thread or process, so that it does not depend on the number of parallel
-//! runs. Neither do the results of an engine.
+//! CPU time is measured by the clock of each run's own thread or process. CPU times and results therefore do not depend on the
+//! number of parallel runs.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -24,8 +24,8 @@ use crate::output::OutputError;
 use crate::pool::{self, lock};
 use crate::provenance::{Provenance, SOURCES};
 
-/// Function that refines an engine, by its name and the scene's divergence, in another process that stores its runs, see
-/// [`ahead`].
+/// Function that refines an engine in another process, which stores its runs; see [`ahead`]. It receives the engine's name and
+/// the scene's divergence.
 pub type Ahead<'a> = &'a (dyn Fn(&str, Option<&Divergence>, &Control<'_>) + Sync);
 
 /// Resources of a comparison.
@@ -39,7 +39,8 @@ pub struct Lanes<'a> {
     pub ahead: Option<Ahead<'a>>,
 }
 
-/// Opens the store of other projects' runs, see [`kept`]; `None` if none are stored. `fresh`: only runs from now on are used.
+/// Opens the store of other projects' runs, see [`kept`]; `None` if none are stored. With `fresh`, only runs from now on are
+/// used.
 ///
 /// # Errors
 /// The store's folder cannot be written.

@@ -1,7 +1,8 @@
 //! Compliance budget: deflection by parts.
 //!
-//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the parts behind them, then with carrier
-//! and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
+//! The gear is balanced with its contacts alone, then also with its eccentric bearings, then with the parts behind them, then
+//! with carrier and flange. Compliances add up, so the share of a part is the increase of the twist under load when it is
+//! added.
 
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{Scene, Structure};
@@ -29,7 +30,7 @@ pub struct Share {
 
 /// Remaining compliance beyond the scene's parts, fitted to a stated stiffness of a catalogue or a measurement.
 ///
-/// One spring between carrier and output represents it: its size is known, not its cause.
+/// The model has one spring for it between carrier and output: its size is known, its cause is not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rest {
     /// Stated stiffness, N m/arcmin.
@@ -70,7 +71,7 @@ pub(super) const CONTACTS: &str = "contacts";
 /// Part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
-/// Gives a scene what a part of the whole one has.
+/// Function that copies the values of one part from the complete scene.
 type Give = fn(&mut Scene, &Scene);
 /// Parts behind the bearings of the discs, in the order in which they join.
 const PARTS: [(&str, Give); 9] = [

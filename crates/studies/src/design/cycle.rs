@@ -1,12 +1,13 @@
-//! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
+//! Hysteresis loop: with the input locked, the load slowly rises to the rated torque, falls to its opposite, and returns.
 //!
-//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
-//! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
-//! motions are those of the gear itself, but for friction, which now acts in full. Two things then widen the loop, in proportion to the
-//! rate: damping, and near no load, where contacts are soft, mass. What swings is damped away, the load is slow near 0, and the figures
-//! of loops at two rates are extrapolated to rest. Sleeves that rub on their pins stick and slip in
-//! turn, in steps too small for this, and a play is crossed late: then the loop is the slow one, whose friction fades, and the width is
-//! by statics.
+//! Regularised friction vanishes at low speeds, and a real load moves the output far more slowly than that. Therefore a gear
+//! with friction has reduced masses on its loop, which may then be fast. With times multiplied by s, masses by s^2 and damping
+//! by s, all motions equal those of the gear itself, except that friction acts in full. Two effects widen the loop in
+//! proportion to the rate: damping, and mass near no load, where contacts are soft. Oscillations are damped, the load is slow
+//! near 0, and the figures of loops at two rates are extrapolated to rest.
+//!
+//! Pins with friction inside their sleeves stick and slip in steps too small for this method, and backlash is crossed late. The
+//! loop is then the slow one, without full friction, and its width is computed by statics.
 
 use std::f64::consts::TAU;
 
@@ -52,8 +53,8 @@ const FASTEST_M_S: f64 = 1e3;
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` where sleeves rub, and
-    /// where a gear that rubs has play.
+    /// Width of the loop at no load, arcmin; without friction 0, apart from oscillations and damping. `None` for sleeves with
+    /// friction on their pins, and for a gear with friction and backlash.
     pub width_arcmin: Option<f64>,
     /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by extrapolation,
     /// and half of the branches' distances at both torques.
@@ -138,7 +139,7 @@ fn looped(
     scene.drive.load_ramp_s = 0.0;
     scene.drive.load_changes.clear();
     scene.drive.start = Start::Kinematic;
-    // In ramps and shares of the rated torque.
+    // Units: ramps, and shares of the rated torque.
     let (mut now, mut load) = (0.0_f64, 0.0_f64);
     let [mut first, mut down, mut up] = [[0.0_f64; 2]; 3];
     for (end, span) in [(1.0_f64, &mut first), (-1.0, &mut down), (1.0, &mut up)] {

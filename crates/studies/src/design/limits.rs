@@ -35,7 +35,7 @@ const ROLLING_MPA: [f64; 2] = [4000.0, 1500.0];
 /// Pressure of a line contact at which yield begins, over the yield strength.
 const YIELDS: f64 = 1.67;
 
-/// Most sizes that are tried for one that bears its load, and a factor of each beyond what its margin asks for.
+/// Largest number of tried sizes, and factor on each beyond the margin required.
 const SIZES: usize = 4;
 const LARGER: f64 = 1.02;
 
@@ -348,8 +348,8 @@ impl Limits {
         Ok(Some(Self::of(scene, &figures)))
     }
 
-    /// Judges the gear of a catalogue's data with the largest of its clearances. Where it does not bear its load: its limits, and how many
-    /// times larger a pin circle does, if one is found.
+    /// Judges a gear of catalogue data at the largest of its clearances. If it cannot carry its load, returns its limits and
+    /// the factor on the pin circle that suffices, if one was computed.
     ///
     /// # Errors
     /// Cancelled.

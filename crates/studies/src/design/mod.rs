@@ -162,7 +162,7 @@ pub struct DesignResult {
     pub joint: Option<Joint>,
     /// Drawings of the discs.
     pub discs: Vec<Drawing>,
-    /// Balances of the unchanged gear solved before those of the bands, and those known before.
+    /// Number of balances of the unchanged gear solved before the bands, and of stored ones.
     pub balances: [u64; 2],
     /// Evaluations of all contacts for these balances.
     pub evaluations: u64,
