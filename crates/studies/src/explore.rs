@@ -380,7 +380,7 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
         "gear.internal_sleeves" => scene.cranks.is_none(),
         key => !key.starts_with("cranks.") || scene.cranks.is_some(),
     };
-    let found = SLIDERS.iter().filter(there).map(|one| {
+    let list = SLIDERS.iter().filter(there).map(|one| {
         let path = format!("/{}", one.key.replace('.', "/"));
         let (unit, factor) = one.unit;
         let line_m = (one.key == FACE_WIDTH).then_some(scene.contact.line_length_m);
@@ -400,7 +400,7 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
             "whole": is_whole,
         })
     });
-    let mut found: Vec<Value> = found.collect();
+    let mut list: Vec<Value> = list.collect();
     let bearing = BearingLaw::of(scene);
     let (unit, factor) = match bearing.map_or(1.0, |law| law.exponent) {
         1.0 => (N_UM.0.to_owned(), N_UM.1),
@@ -413,10 +413,10 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
     });
     let value = value.map_or_else(|| json!(RIGID), |own| json!(own));
     // Before the clearance.
-    let place = found.iter().position(|one| one["key"] == CLEARANCE);
-    found.insert(place.unwrap_or_default(), json!({
+    let place = list.iter().position(|one| one["key"] == CLEARANCE);
+    list.insert(place.unwrap_or_default(), json!({
         "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": factor, "value": value, "from": from,
         "to": to, "decades": true,
     }));
-    found
+    list
 }

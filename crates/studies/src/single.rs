@@ -191,7 +191,7 @@ fn check(
     let from_s = results::from_s(run, &gearbox.scene);
     let ran = (&run.time_series, run.stats.rhs_calls);
     match resolution::check(&formed, ran, from_s, &mut |t| at.reached(t)) {
-        Ok(found) => Ok(Some(found)),
+        Ok(result) => Ok(Some(result)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(error) => Err(StudyError::Unrepeated(Box::new(error))),
     }

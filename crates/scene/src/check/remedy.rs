@@ -73,16 +73,16 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     if changes.is_empty() {
         return fault;
     }
-    if changes.iter().any(|way| way.far < ANOTHER_GEAR) {
-        changes.retain(|way| way.far < ANOTHER_GEAR);
+    if changes.iter().any(|change| change.far < ANOTHER_GEAR) {
+        changes.retain(|change| change.far < ANOTHER_GEAR);
     }
-    let far = |way: &Way| (place(way.key).unwrap_or(usize::MAX), way.far);
+    let far = |change: &Remedy| (place(change.key).unwrap_or(usize::MAX), change.far);
     changes.sort_by(|a, b| {
         far(a)
             .partial_cmp(&far(b))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    let words = changes.into_iter().take(OFFERED).map(|way| way.words);
+    let words = changes.into_iter().take(OFFERED).map(|change| change.words);
     Fault {
         remedy: format!("would do: {}", words.collect::<Vec<_>>().join(", or ")),
         ..fault
@@ -90,7 +90,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
 }
 
 /// Change that makes a gear buildable.
-struct Way {
+struct Remedy {
     key: &'static str,
     /// Magnitude of the logarithmic change.
     far: f64,
@@ -98,7 +98,7 @@ struct Way {
 }
 
 /// Returns the changes of a single value.
-fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
+fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Remedy> {
     let mut changes = Vec::new();
     for (key, of) in VALUES {
         let from = *of(&mut gear.clone());
@@ -126,7 +126,7 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
             values.push(0.0);
         }
         values.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
-        changes.extend(values.first().map(|value| Way {
+        changes.extend(values.first().map(|value| Remedy {
             key,
             far: far(*value),
             words: in_words(gear, gives_circle, key, *value),
@@ -191,7 +191,7 @@ fn in_words(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
 }
 
 /// Returns a change of the profile: no modification, a usual m, and pins and backlash that fit.
-fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
+fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Remedy> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();
     fitting.modification = crate::model::Modification::default();
@@ -210,7 +210,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
         let [before, after] = [gear, &fitting].map(|gear| *of(&mut gear.clone()));
         (before != after).then(|| in_words(gear, gives_circle, key, after))
     });
-    Some(Way {
+    Some(Remedy {
         key: "",
         far: 0.0,
         words: changed.collect::<Vec<_>>().join(" and "),
@@ -218,7 +218,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
 }
 
 /// Returns new pins and holes on the present or another circle; without room for them also a smaller eccentricity.
-fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
+fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Remedy> {
     let smaller = (0..30).map(|k| {
         if k == 0 {
             return gear.clone();
@@ -248,7 +248,7 @@ fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
             hole_radius_m: hole,
             ..
         } = fitting;
-        Some(Way {
+        Some(Remedy {
             key: "",
             far: 0.0,
             words: format!(

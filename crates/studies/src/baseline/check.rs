@@ -128,15 +128,15 @@ pub fn check(
         if every && scene.is_none() && !options.solvers.is_empty() {
             continue;
         }
-        for way in options.ways(case)? {
+        for plan in options.planned(case)? {
             let accepted = scene.and_then(|scene| {
-                let accepted = scene.cases.iter().find(|c| c.choice == way.name);
+                let accepted = scene.cases.iter().find(|c| c.choice == plan.name);
                 accepted.map(|accepted| (scene, accepted))
             });
-            let mut checked = CaseCheck::new(&case.name, way.name);
-            match (accepted, way.refused) {
+            let mut checked = CaseCheck::new(&case.name, plan.name);
+            match (accepted, plan.refused) {
                 (Some(accepted), None) => {
-                    jobs.push(way.job);
+                    jobs.push(plan.job);
                     known.push((cases.len(), accepted));
                 }
                 (None, Some(_)) if every => continue,

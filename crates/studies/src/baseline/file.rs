@@ -329,17 +329,17 @@ impl CaseSnapshot {
         if self.quantity.is_empty() {
             return Err("holds no quantity".to_owned());
         }
-        for (quantity, found) in &self.quantity {
+        for (quantity, own) in &self.quantity {
             let label = quantity.label();
-            share("rounding", found.rounding, LARGEST_RECORDED)
+            share("rounding", own.rounding, LARGEST_RECORDED)
                 .map_err(|what| format!("{what} of the {label}"))?;
             let error = converged.get(quantity).and_then(|converged| {
-                Some(found.statistics.distance(&converged.statistics)? / converged.scale)
+                Some(own.statistics.distance(&converged.statistics)? / converged.scale)
             });
             // Stored error and figures differ only by the digits of a text file.
-            let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
+            let same = |error: f64| (error - own.error).abs() <= 1e-9 * (error + 1e-6);
             if !error.is_some_and(same) {
-                let error = found.error;
+                let error = own.error;
                 return Err(format!(
                     "error = {error:e} of the {label} is not that of its figures"
                 ));

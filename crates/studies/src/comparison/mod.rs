@@ -82,7 +82,7 @@ pub struct Outcome {
 
 /// Payload of `summary.json`.
 #[derive(Serialize)]
-struct Found<'a> {
+struct Payload<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     modelled: &'a [Statement],
@@ -337,7 +337,7 @@ impl Outcome {
             RunRecord::new(engine, &self.gearbox.scene, status, cost, origin)
                 .write(&place, &participant.time_series)?;
         }
-        let results = Found {
+        let results = Payload {
             comparison: &self.comparison,
             modelled: &self.model.modelled,
             left_out: &self.model.left_out,
@@ -479,7 +479,7 @@ pub fn divergence(
     let control = control.lasting(gearbox.scene.solver.duration_s);
     let watch = &mut |t| control.reached(t);
     match divergence::horizon(gearbox, DIVERGENCE_STEP, watch) {
-        Ok(found) => Ok(Some(found)),
+        Ok(measured) => Ok(Some(measured)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         // Another engine may support a scene that the native one refuses.
         Err(_) => Ok(None),

@@ -113,12 +113,12 @@ impl Joint {
         let few = poses.few(POSES);
         let count = few.angles.len();
         let mut last: [[Option<Equilibrium>; LEVELS.len()]; 2] = Default::default();
-        let ways = both_ways(&few, gearbox, |pose, phi, way| {
+        let both = both_ways(&few, gearbox, |pose, phi, way| {
             step(pose, count)?;
             let last = &mut last[usize::from(way < 0.0)];
             one_way(statics, last, phi, way * rated).map_err(of_scene)
         })?;
-        let poses: Vec<Pose> = ways.into_iter().map(Pose::of).collect();
+        let poses: Vec<Pose> = both.into_iter().map(Pose::of).collect();
         let all: Vec<&Pose> = poses.iter().collect();
         let springs = springs(&mean_twists(&all), rated);
         if springs.is_empty() {

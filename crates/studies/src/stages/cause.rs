@@ -97,10 +97,10 @@ fn either(all: impl Iterator<Item = String>, or: &str) -> String {
 }
 
 /// Cause with the changes of the model that form it.
-pub(super) type Found = (Cause, Vec<Change>);
+pub(super) type Explained = (Cause, Vec<Change>);
 
 /// Returns the changes of a cause with their sizes.
-pub(super) fn changes((cause, changes): &Found) -> Changes<'_> {
+pub(super) fn changes((cause, changes): &Explained) -> Changes<'_> {
     let sizes = cause.parts.iter().map(|part| part.size);
     changes.iter().zip(sizes).collect()
 }
@@ -135,7 +135,7 @@ pub(super) fn cause(
     least: f64,
     is_asked: fn(&Suspect) -> bool,
     values: Values<'_>,
-) -> Option<Found> {
+) -> Option<Explained> {
     let mut suspects = suspects::of(work.gearbox);
     suspects.retain(is_asked);
     let predict = |of: &[usize], sizes: &[f64]| {

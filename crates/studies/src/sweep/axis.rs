@@ -186,8 +186,8 @@ impl Range {
         let points = match (self.points, self.step) {
             (Some(points), None) if (1..=MOST_VALUES).contains(&points) => points,
             (Some(_), None) => {
-                let integer = "`points` must be a whole number from 1 to";
-                return Err(format!("{integer} {MOST_VALUES}"));
+                let text = "`points` must be a whole number from 1 to";
+                return Err(format!("{text} {MOST_VALUES}"));
             }
             (None, Some(step)) if !log && (to - from) / step >= 0.0 => {
                 let steps = (to - from) / step * (1.0 + 1e-12);
