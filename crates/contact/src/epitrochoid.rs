@@ -124,7 +124,7 @@ impl Epitrochoid {
         Some(curve)
     }
 
-    /// Creates the curve for its points alone, from any numbers, without what [`closest`](Self::closest) needs.
+    /// Creates the curve for its points only, from any numbers; [`closest`](Self::closest) is not available.
     pub fn unsearched(eccentricity: f64, sleeves: u32, shortening: f64) -> Self {
         Self {
             pitch_radius: eccentricity * f64::from(sleeves) / shortening,

@@ -46,7 +46,7 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     ))
 }
 
-/// Returns what an engine of this build still needs on this machine, with the command that installs it; `None` if it runs now.
+/// Returns the missing parts of an engine on this machine, with the command that installs them; `None` if it runs now.
 pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
     match info.family() {
         #[cfg(feature = "crossval")]
@@ -58,7 +58,7 @@ pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
     }
 }
 
-/// Returns what adds the engines that this build lacks, each with their families.
+/// Returns the additions that provide the engines missing in this build, each with their families.
 pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
     let mut all = BTreeMap::<_, BTreeSet<_>>::new();
     for info in lacking() {

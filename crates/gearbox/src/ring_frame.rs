@@ -13,7 +13,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use crate::Layout;
 use crate::contacts::pair::PairContact;
 
-/// Frame of a ring that is the output, with the states and loads that the contacts see in it.
+/// Frame of a ring that is the output, with states and loads relative to it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RingFrame {
     pub(crate) local: Vec<BodyState>,

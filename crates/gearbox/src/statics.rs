@@ -122,7 +122,7 @@ pub struct Statics<'a> {
     repeats: u64,
     /// Residual at which Newton's method ends, relative to the load's size.
     goal: f64,
-    /// True if parts rub as they slide in `motion`.
+    /// True if parts slide with friction in `motion`.
     rubs: bool,
     /// Unknowns and residuals of the balances so far, by the bits of input angle and load.
     known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,

@@ -27,7 +27,7 @@ pub struct Scene {
     /// Compliance beside that of the contacts; without it only contacts deflect.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bearings: Bearings,
-    /// Parts behind the contacts that give way.
+    /// Elastic parts behind the contacts.
     #[serde(default, skip_serializing_if = "is_default")]
     pub structure: Structure,
     /// Parts warmer than when their sizes were measured.
@@ -334,14 +334,14 @@ pub enum Held {
     BothEnds,
 }
 
-/// Parts behind the contacts that give way, each with its closed form; `None`: rigid.
+/// Elastic parts behind the contacts, each with its closed form; `None` if rigid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Structure {
     /// Diameter of the output pins as beams that all discs bend, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_pin_diameter_m: Option<f64>,
-    /// Length of an output pin's seat in what holds it, m.
+    /// Length of an output pin's seat in its holder, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_seat_length_m: Option<f64>,
     /// Length of a ring pin's seat in the housing, m.

@@ -127,7 +127,7 @@ impl Scene {
         springs.map(|stiffness| torque_n_m / stiffness).sum()
     }
 
-    /// Parts that give way and temperatures, in words, each with how it is modelled.
+    /// Returns elastic parts and temperatures in words, each with its model.
     pub fn structure_in_words(&self) -> Vec<(String, String)> {
         let structure = &self.structure;
         let mut rows = Vec::new();

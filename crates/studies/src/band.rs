@@ -145,7 +145,7 @@ impl Bands {
         figure.by_fit = scaled(own.by_fit);
     }
 
-    /// [`bound`](Self::bound) of every figure of statics.
+    /// Sets the bands of every figure of statics, see [`bound`](Self::bound).
     pub fn bound_all(&self, figures: &mut [Figure]) {
         for figure in figures {
             let def = figure.def.clone();
@@ -153,7 +153,7 @@ impl Bands {
         }
     }
 
-    /// [`bound`](Self::bound) of a load of runs over all channels of a quantity.
+    /// Sets the bands of a load of runs over all channels of a quantity, see [`bound`](Self::bound).
     pub fn bound_load(&self, figure: &mut Figure, quantity: &str) {
         match quantity {
             columns::EXTERNAL_FORCE => self.bound(figure, &EXTERNAL_FORCE),
@@ -332,14 +332,14 @@ fn widen(own: &mut [Figure], other: &[Figure], band: fn(&mut Figure) -> &mut Opt
     }
 }
 
-/// Toleranced keys of a scene, each with its value and half of its interval.
+/// Returns the toleranced keys of a scene, each with its value and half of its interval.
 pub(crate) fn intervals(scene: &CheckedScene) -> Vec<(&String, f64, f64)> {
     let all = scene.uncertain.iter();
     all.filter_map(|(key, half)| Some((key, scene.number(key)?, half.plus_minus)))
         .collect()
 }
 
-/// Balances over the toleranced keys of a gear, and the band by fit of its figures `own`.
+/// Solves balances over the toleranced keys of a gear, and extends the band by fit of its figures `own`.
 fn over_fits(
     gearbox: &Gearbox,
     own: &mut [Figure],

@@ -25,7 +25,7 @@ pub struct Settings<'a> {
     pub spec: &'a str,
     /// Settings as typed.
     pub sets: &'a [Override],
-    /// Scene with all of them, compiled.
+    /// Scene with all settings, compiled.
     pub gearbox: &'a Gearbox,
 }
 

@@ -101,7 +101,7 @@ pub fn record(
     let written = recording.write();
     let (text, rows) = written.map_err(|error| OutputError::new(&path, &error))?;
     let bytes = text.len() + rows.len();
-    // The time series first: without a description it is no recording.
+    // The time series is written first: without a description it is no recording.
     file::replace_all(&[(csv, rows), (description, text)], &is_ours)?;
     Ok(Recorded::Kept {
         samples: recording.time_series.len(),

@@ -134,8 +134,8 @@ fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Dista
     (!error.worst().is_nan()).then(|| error.torque_as_forces())
 }
 
-/// Returns the gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), with
-/// half of its samples, and the setting in words. The initial state is not computed again.
+/// Returns the gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser for a `factor` below 1), with
+/// half of its samples, and the setting in words. The initial state is kept.
 fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyError> {
     let name = &gearbox.scene.solver.integrator;
     let adaptive = method(name).is_some_and(|m| m.adaptive);

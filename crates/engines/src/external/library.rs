@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Returns the library of the contact law: the file named by `PINWHEEL_LAW`, or the one beside the program.
 ///
 /// # Errors
-/// The remedy, on one line, if there is none.
+/// No library; the error is one line with the remedy.
 pub fn law_library() -> Result<PathBuf, String> {
     library("law", "PINWHEEL_LAW")
 }

@@ -16,7 +16,7 @@ use crate::known::solvers as facts;
 struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
-    /// Returns what is missing on this machine, with the command that installs it.
+    /// Returns the missing parts on this machine, with the command that installs them.
     needs: fn() -> Option<String>,
     /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
@@ -53,7 +53,7 @@ pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
     Some(Box::new(shipped(info)?))
 }
 
-/// Returns what a shipped solver still needs on this machine; `None` if it runs now.
+/// Returns the missing parts of a shipped solver on this machine; `None` if it runs now.
 pub(crate) fn needs(info: &EngineInfo<'_>) -> Option<String> {
     let no_law = || law_library().err();
     (shipped(info)?.needs)().or_else(no_law)

@@ -24,8 +24,8 @@ const SLIDES_RAD_S: f64 = 1e4;
 /// Most rounds of sliding and balance, and the change of a balance that ends them, relative to the contacts' depths and twists.
 const ROUNDS: usize = 24;
 const KNOWN: f64 = 1e-6;
-/// Speed of the output at which nearly nothing rubs, rad/s: friction fades below a sliding of some 1 rad/s. Where the rounds fail
-/// because parts stick, they begin here, and go on to a higher speed and to full sliding in turn.
+/// Speed of the output at which friction almost vanishes, rad/s: it fades below a sliding of some 1 rad/s. If the rounds fail
+/// because parts stick, they begin here and go on to a higher speed, then to full sliding.
 const CREEPS_RAD_S: f64 = 1e-4;
 /// Growth factor of that speed, replaced by its square root where it fails, and the least factor.
 const GROWTH: f64 = 4.0;
@@ -46,7 +46,7 @@ pub fn slow(mut scene: Scene) -> Scene {
 }
 
 impl<'a> Statics<'a> {
-    /// Creates the solver of a gear in slow motion; `None`: nothing rubs.
+    /// Creates the solver of a gear in slow motion; `None` without friction.
     ///
     /// # Errors
     /// See [`Gearbox::contact_field`].
@@ -63,8 +63,8 @@ impl<'a> Statics<'a> {
         Ok(Some(statics))
     }
 
-    /// Solves the balance under `load` (N m) while the input turns, from the one without friction at its angle. `way`: 1 in the
-    /// scene's direction, -1 in the other.
+    /// Solves the balance under `load` (N m) while the input turns, from the balance without friction at its angle. `way` is 1
+    /// in the scene's direction, -1 in the opposite one.
     ///
     /// # Errors
     /// [`GearboxError::Sticks`]
@@ -127,8 +127,8 @@ impl<'a> Statics<'a> {
         Err(GearboxError::Sticks)
     }
 
-    /// Finds the balance whose friction is that of its own rates, with the output at `speed` (rad/s), by Broyden's method from a
-    /// near one.
+    /// Solves the balance whose friction belongs to its own rates, with the output at `speed` (rad/s), by Broyden's method from
+    /// a near balance.
     fn settle(
         &mut self,
         problem: &Problem,
@@ -219,8 +219,8 @@ impl<'a> Statics<'a> {
     }
 }
 
-/// Returns the efficiency of a motion under `load` (N m) whose driver has this mean torque, N m; either shaft may drive. Not
-/// above 0 where the gear locks itself.
+/// Returns the efficiency of a motion under `load` (N m) with this mean driver torque, N m; either shaft may drive. A gear that
+/// locks itself has at most 0.
 pub fn slow_efficiency(gearbox: &Gearbox, driver_n_m: f64, load: f64) -> f64 {
     let delivered = -load * gearbox.geometry.ideal_output_angle(1.0);
     match delivered * speed_profile::fastest_rad_s(&gearbox.scene.drive) > 0.0 {

@@ -215,7 +215,7 @@ impl Layers {
         }
     }
 
-    /// Removes what the base, or under an override the file, gives for a key that follows from this one at `place`.
+    /// Removes the values from the base, or under an override from the file, for a key that follows from this one at `place`.
     fn drop_earlier_twin(&mut self, key: &str, place: &Location) {
         let twin = match key {
             PITCH => SHORTENING,

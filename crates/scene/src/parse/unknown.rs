@@ -71,7 +71,7 @@ pub(super) fn unknown(
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
-/// Parts of names of features beyond the model, and what it offers instead.
+/// Parts of names of features beyond the model, with the feature that replaces each.
 const OUT_OF_SCOPE: &[(&str, &str)] = &[
     (
         "lobes",

@@ -68,7 +68,7 @@ pub(crate) struct Largest {
 }
 
 impl Largest {
-    /// The larger loads of two, with another number of pairs.
+    /// Returns the larger loads of two poses, with another number of pairs.
     pub(super) fn or_larger(&self, other: &Self, touching: u32) -> Self {
         Self {
             touching,
@@ -101,7 +101,7 @@ pub(crate) struct Pose {
     pub(crate) bearings: Vec<[f64; 2]>,
     /// Force on the bearing that carries most, N.
     pub(crate) bearing_n: f64,
-    /// Driver's torque in slow motion, N m; `None`: nothing rubs, or friction leaves no balance.
+    /// Driver torque in slow motion, N m; `None` without friction, or without a balance with friction.
     pub(crate) driver_n_m: Option<f64>,
 }
 
@@ -122,7 +122,8 @@ struct Eccentric {
 }
 
 impl Pose {
-    /// Solves a pose. `near` is the balance under the same load at the previous pose, if any; on return that of this one.
+    /// Solves a pose. `near` is the balance under the same load at the previous pose, if any; on return it is the balance of
+    /// this pose.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
@@ -134,7 +135,7 @@ impl Pose {
         Ok(Self::loaded(statics, wanted, balance, load))
     }
 
-    /// The loads of a balance.
+    /// Returns the loads of a balance.
     pub(super) fn loaded(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
@@ -211,7 +212,7 @@ impl Pose {
         }
     }
 
-    /// Touching pairs of a disc.
+    /// Returns the number of touching pairs of a disc.
     pub(crate) fn touching(&self, stage: Stage) -> f64 {
         f64::from(self.largest[stage as usize].touching) / self.bearings.len() as f64
     }
@@ -344,7 +345,7 @@ pub struct Bearing {
     pub wheel: usize,
     /// Magnitude of the force, N.
     pub force_n: Spread,
-    /// Away from the input's axis, N, over the period.
+    /// Component away from the input's axis, N, over the period.
     pub radial_n: Vec<f64>,
     /// Component counter-clockwise about the input's axis, N, over the period: times e, the torque of this disc.
     pub tangential_n: Vec<f64>,

@@ -79,8 +79,8 @@ impl Poses {
         }
     }
 
-    /// Returns the fewest poses of the same period that resolve the first four orders of both meshes, in one part; all where
-    /// parts have individual errors.
+    /// Returns the fewest poses of the same period that resolve the first four orders of both meshes, in one part. Gears whose
+    /// parts have individual errors keep all poses.
     pub(crate) fn resolving(self) -> Self {
         let passages = self.passages();
         let good = |n: &usize| alone(*n, passages) && resolves(*n, self.meshes, 4);

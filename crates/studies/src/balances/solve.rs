@@ -121,7 +121,7 @@ pub(crate) fn few_figures_by(
     Ok(at_poses(statics, (&poses, rubs), cancel)?.figures())
 }
 
-/// All balances that figures are read off, at some poses, with friction or without.
+/// Solves all balances behind the figures, at some poses, with friction or without.
 pub(crate) fn at_poses(
     statics: &mut Statics<'_>,
     (poses, rubs): (&Poses, bool),
@@ -136,8 +136,8 @@ pub(crate) fn at_poses(
     })
 }
 
-/// Returns the twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
-/// previous balance under the same load for [`Statics::track`].
+/// Returns the twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last` is the
+/// previous balance under the same load, for [`Statics::track`].
 pub(crate) fn twist(
     statics: &mut Statics<'_>,
     last: &mut Option<Equilibrium>,
@@ -156,8 +156,8 @@ pub(crate) fn is_mirrored(gearbox: &Gearbox) -> bool {
     gearbox.scene.gear.errors.is_none()
 }
 
-/// Returns the results of `find` at every pose in both directions of the load, 1 and -1; for a mirrored gear the backward
-/// ones are those forward at the opposite pose.
+/// Returns the results of `find` at every pose in both directions of the load, 1 and -1. In a mirrored gear the backward
+/// results are the forward ones at the opposite pose.
 pub(crate) fn both_ways<T: Clone>(
     poses: &Poses,
     gearbox: &Gearbox,

@@ -70,7 +70,7 @@ pub struct Outcome {
     pub assumptions: Vec<Assumption>,
     /// Figures with other contact laws and fits; `None` without a comparison.
     pub bands: Option<Bands>,
-    /// Loads of the parts against what they may bear; `None` of a gear that cannot be balanced.
+    /// Loads of the parts against their limits; `None` for a gear without a balance.
     pub limits: Option<Limits>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<MatchedContactRun>,

@@ -367,7 +367,7 @@ pub fn refine(
         && free
         && let Some(&value) = refiner.coarser(refiner.value).last()
     {
-        // It becomes the finest level of a study that does not fit.
+        // The coarsest level becomes the finest one if the study does not fit.
         let after = |cpu_s: f64| match refiner.rest(value, cpu_s) {
             rest if cpu_s + rest <= longest => rest / cpu_s,
             _ => 1.0,
@@ -382,7 +382,7 @@ pub fn refine(
     let whole_s =
         |(value, ran): &mut (f64, Participant)| spent.get() + refiner.rest(*value, cpu_s(ran));
     let (mut value, mut finest) = match coarsest.take_if(|ran| whole_s(ran) > longest) {
-        // It becomes the finest level of a study that fits.
+        // The coarsest level becomes the finest one of a study that fits.
         Some(coarsest) => coarsest,
         None => {
             let coarser = refiner.coarser(refiner.value).len();

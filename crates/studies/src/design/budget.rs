@@ -22,7 +22,7 @@ pub struct Share {
     pub part: &'static str,
     /// Share of the total compliance.
     pub share: f64,
-    /// Stiffness of the gear with this part and all before, mean over the mesh, N m/arcmin.
+    /// Stiffness of the gear with this part and all earlier ones, mean over the mesh, N m/arcmin.
     pub stiffness_n_m_per_arcmin: f64,
     /// Lost motion of that gear, largest over the mesh, arcmin.
     pub lost_motion_arcmin: f64,
@@ -73,7 +73,7 @@ pub(super) const REST: &str = "carrier and flange";
 
 /// Function that copies the values of one part from the complete scene.
 type Give = fn(&mut Scene, &Scene);
-/// Parts behind the bearings of the discs, in the order in which they join.
+/// Parts behind the bearings of the discs, in the order in which they are added.
 const PARTS: [(&str, Give); 9] = [
     ("crank supports", |scene, all| {
         if let (Some(cranks), Some(all)) = (&mut scene.cranks, all.cranks) {
@@ -104,14 +104,14 @@ const PARTS: [(&str, Give); 9] = [
     (REST, |scene, all| scene.bearings = all.bearings),
 ];
 
-/// Budget of the gear of `known` under the `working` load; empty where only the contacts deflect.
+/// Computes the budget of the gear of `known` under the `working` load; empty if only the contacts deflect.
 pub(super) fn of(
     known: &mut Statics<'_>,
     working: f64,
     control: &Control<'_>,
 ) -> Result<Vec<Share>, StudyError> {
     let all = &known.gearbox().scene;
-    // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
+    // The first gear has rigid bearings, which a scene with cranks cannot state.
     let mut scene = Scene::clone(all);
     scene.bearings.output_torsion_n_m_rad = None;
     scene.bearings.internal_sleeve_stiffness_n_m = None;

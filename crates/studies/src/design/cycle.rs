@@ -6,7 +6,7 @@
 //! proportion to the rate: damping, and mass near no load, where contacts are soft. Oscillations are damped, the load is slow
 //! near 0, and the figures of loops at two rates are extrapolated to rest.
 //!
-//! Pins with friction inside their sleeves stick and slip in steps too small for this method, and backlash is crossed late. The
+//! Sleeves with friction on their pins stick and slip in steps too small for this method, and backlash is crossed late. The
 //! loop is then the slow one, without full friction, and its width is computed by statics.
 
 use std::f64::consts::TAU;
@@ -26,21 +26,21 @@ use crate::{Control, StudyError, single};
 
 /// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
 const SLOW: f64 = 300.0;
-/// Likewise of the faster loop of a gear on whose loop friction acts. The other takes twice as long.
+/// Duration of a ramp of the faster loop of a gear with friction, in the same unit. The slower loop takes twice as long.
 const SLOW_WITH_FRICTION: f64 = 84.0;
-/// Share of the rated torque within which that load is slower, and how many times: mass holds back less.
+/// Share of the rated torque within which that load is slower, and the factor: the effect of mass falls.
 const NEAR: f64 = 0.05;
 const SLOWER: f64 = 8.0;
-/// Factor of that gear's damping. With less than twice the damping the ramps' kinks ring on.
+/// Factor on the damping of that gear. Below twice the damping, oscillations from the ramps' kinks persist.
 const DAMPED: f64 = 4.0;
-/// Factor of the change by extrapolation in its uncertainty: two loops do not show their order.
+/// Factor on the change by extrapolation in its uncertainty: two loops do not show their order.
 const SAFETY: f64 = 3.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
 const REST: f64 = 0.25;
 
-/// Speed of the output on the loop of a gear in which parts rub, rad/s: friction fades below 1 rad/s.
+/// Speed of the output on the loop of a gear with friction, rad/s: friction fades below 1 rad/s.
 const SLIDES_RAD_S: f64 = 30.0;
 /// Largest ramp of the contacts' friction, relative to the speed of the output at the eccentricity.
 const RAMP: f64 = 1e-2;
@@ -48,7 +48,7 @@ const RAMP: f64 = 1e-2;
 const LEAST: [f64; 2] = [1e-9, 1e-18];
 const FASTEST_M_S: f64 = 1e3;
 
-/// The loop of a slow run.
+/// Hysteresis loop of a slow run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
@@ -56,10 +56,10 @@ pub struct Cycle {
     /// Width of the loop at no load, arcmin; without friction 0, apart from oscillations and damping. `None` for sleeves with
     /// friction on their pins, and for a gear with friction and backlash.
     pub width_arcmin: Option<f64>,
-    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by extrapolation,
-    /// and half of the branches' distances at both torques.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by
+    /// extrapolation, and half of the branches' distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// Uncertainty of the width, arcmin: the first three of these.
+    /// Uncertainty of the width, arcmin: the first three contributions to that of the lost motion.
     pub width_uncertainty_arcmin: Option<f64>,
     /// Ending of the run.
     pub status: &'static str,
@@ -87,7 +87,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let gear = &slow.gear;
     let clearance = (slow.bearings.eccentric.as_ref()).and_then(|bearing| bearing.clearance_m);
     let play = largest_play(gear) + largest_hole_play(gear) + clearance.unwrap_or(0.0);
-    // Play below this is rounding.
+    // Backlash below this is rounding.
     if !slow.rubs() || fades || play >= 1e-12 {
         let mut own = looped(gearbox, rated, SLOW, None, control)?;
         if slow.rubs() {
@@ -116,7 +116,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     Ok(own)
 }
 
-/// Runs the loop with ramps of so many periods of the slowest mode; `rub`: the bearings of a gear on whose loop friction acts.
+/// Runs the loop with ramps of so many periods of the slowest mode. `rub` has the bearings of a gear with friction.
 fn looped(
     gearbox: &Gearbox,
     rated: f64,
@@ -127,7 +127,7 @@ fn looped(
     let mut scene = Scene::clone(&gearbox.scene);
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
     if let Some(bearings) = rub {
-        // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
+        // Pins that roll freely have no friction, and with reduced masses they would require the smallest steps.
         scene.bearings = bearings.clone();
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
@@ -197,7 +197,7 @@ fn looped(
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
     let width = |every: usize| apart(0.0, every);
-    // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
+    // Friction that yields slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * (apart(LOST * rated, 1)? + apart(-LOST * rated, 1)?));
     let error = study.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
@@ -217,7 +217,7 @@ fn looped(
     })
 }
 
-/// Multiplies the times of a scene's motions by `s`, and damps them more.
+/// Multiplies the times of a scene's motions by `s`, and increases its damping.
 fn hasten(scene: &mut Scene, s: f64) {
     let (mass, contact) = (&mut scene.mass, &mut scene.contact);
     for body in [
@@ -243,7 +243,7 @@ fn hasten(scene: &mut Scene, s: f64) {
     }
 }
 
-/// The angle where a monotone course of the torque passes `torque`.
+/// Returns the angle at which a monotone course of the torque passes `torque`.
 fn crossing(torques: &[f64], angles: &[f64], torque: f64) -> Option<f64> {
     let k = torques
         .windows(2)

@@ -72,7 +72,7 @@ pub fn discs(scene: &CheckedScene) -> Result<Vec<Drawing>, StudyError> {
     Ok(drawings)
 }
 
-/// True if one disc is the other one turned by some lobes: all edges are equal, holes may differ.
+/// True if the holes of one disc, turned by some lobes, are those of the other. The edges of all discs are equal.
 fn is_one_part(gear: &Gear, one: &Outline, other: &Outline) -> bool {
     let same = SAME * gear.internal_circle_radius_m;
     let lobes = gear.lobes();

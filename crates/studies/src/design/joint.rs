@@ -131,7 +131,7 @@ impl Joint {
         let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
         let circling = gearbox.geometry.eccentricities_m.iter();
         let circling = circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
-        // Against the ground.
+        // Angles against the ground.
         let turning = match scene.ring_turns() {
             true => scene.eccentric_per_held_carrier(),
             false => scene.eccentric_per_input(),

@@ -61,7 +61,7 @@ pub struct Limit {
     pub is_stated: bool,
 }
 
-/// Answer to: does the gear bear its load?
+/// Answer to the question whether the gear bears its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
@@ -147,7 +147,7 @@ pub(super) fn figures(balances: &Balances, scene: &Scene) -> Vec<Figure> {
     })
 }
 
-/// Largest bending stress of an output pin, Pa; its sleeve turns on it, if there is one.
+/// Returns the largest bending stress of an output pin, Pa; a sleeve turns on it, if there is one.
 fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: Held) -> f64 {
     let (gear, bearings) = (&scene.gear, &scene.bearings);
     let (places, span) = scene.output_pins_m();
@@ -320,8 +320,8 @@ impl Limits {
         }
     }
 
-    /// Judges the loads of a gear's parts by balances at few poses, with the bands if there are some; `None` of a gear without load or
-    /// that cannot be balanced.
+    /// Judges the loads of a gear's parts by balances at few poses, with the bands if there are some. Returns `None` for a gear
+    /// without load or balance.
     ///
     /// # Errors
     /// Cancelled.
@@ -381,7 +381,7 @@ impl Limits {
         Ok(weak.map(|weak| (weak, None)))
     }
 
-    /// The limit with the least margin.
+    /// Returns the limit with the least margin.
     #[must_use]
     pub fn tightest(&self) -> Option<&Limit> {
         self.each

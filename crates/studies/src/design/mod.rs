@@ -66,7 +66,7 @@ const CURVE: usize = 20;
 /// Relative difference within which the largest forces of two bearings count as equal. They are sampled at other poses of
 /// the same mesh: for four gears without errors they differ by 2.4e-4 at most.
 const ALIKE: f64 = 1e-2;
-/// Why a run's loop has no width.
+/// Reason for a loop of a run without a width.
 const FADES: &str = "friction of sleeves, bearings or seals, or play, needs a slower run than this; statics gives the hysteresis";
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
@@ -188,7 +188,7 @@ pub fn run(
     Ok(design)
 }
 
-/// Like [`run`], without the motion.
+/// Computes the design like [`run`], without the motion.
 ///
 /// # Errors
 /// Errors of [`run`].
@@ -329,7 +329,7 @@ fn figures_by(
     })
 }
 
-/// The figures of runs.
+/// Returns the figures of runs.
 fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
     let ended = |status: &str| match status {
         "finished" => None,
@@ -447,7 +447,7 @@ impl DesignResult {
         let own = self.clone();
         let rest = self.rest;
         let of_scene = |source| of_scene(&gearbox.scene, source);
-        // Most settings change the statics, which take a fraction of the time.
+        // Most settings change the statics, which take a fraction of the time of runs.
         let statics = Self {
             scene: own.scene,
             figures: own.figures,
