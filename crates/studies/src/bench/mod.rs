@@ -152,7 +152,7 @@ pub fn run(
     let tasks: Vec<_> = tasks.collect();
     let total = tasks.len() + 2;
     let mut done = 0;
-    // A run says nothing of the whole.
+    // One run does not indicate the remaining time of the study.
     let quiet = Control::silent(control.cancel);
     let (reference, [time_series, second]) = reference::run(scene, &quiet, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
