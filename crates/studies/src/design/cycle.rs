@@ -128,7 +128,7 @@ fn looped(
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
     if let Some(bearings) = rub {
         // Pins that roll freely have no friction, and with reduced masses they would require the smallest steps.
-        scene.bearings = bearings.clone();
+        scene.bearings = *bearings;
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
     }
