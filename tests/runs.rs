@@ -39,7 +39,7 @@ pub fn attempt(engine: &str, scene: &Scene) -> Run {
 /// If it does not.
 #[must_use]
 pub fn whole(engine: &str, scene: &Scene) -> Run {
-    match attempt(engine, scene).whole() {
+    match attempt(engine, scene).finished() {
         Ok(run) => run,
         Err(ending) => panic!("{engine} {ending}"),
     }

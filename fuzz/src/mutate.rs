@@ -14,7 +14,7 @@ impl Random {
 
     /// Below `most`; 0 where that is 0.
     pub fn below(&mut self, most: usize) -> usize {
-        self.0.whole(0, most.max(1) - 1)
+        self.0.integer(0, most.max(1) - 1)
     }
 
     fn of<'a, T>(&mut self, list: &'a [T]) -> &'a T {

@@ -145,7 +145,7 @@ pub fn first_steps(bytes: &[u8]) -> bool {
         samples += 1;
         samples > 200
     });
-    match run.and_then(|run| Ok(run.whole()?)) {
+    match run.and_then(|run| Ok(run.finished()?)) {
         Ok(run) => {
             for channel in run.time_series.channels() {
                 finite(&channel.name, channel.values.iter().copied());

@@ -23,7 +23,7 @@ fn run(scene: &Scene) {
     black_box(
         native::run(&gearbox, &mut |_| false)
             .expect("presets run")
-            .whole()
+            .finished()
             .expect("presets end"),
     );
 }

@@ -45,11 +45,11 @@ impl Epitrochoid {
     /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affect the result only by rounding.
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
-        let found = match self.has_offset() {
+        let result = match self.has_offset() {
             true => self.local_search::<true>(p, start, limit),
             false => self.local_search::<false>(p, start, limit),
         };
-        match found {
+        match result {
             Local::Outside => None,
             Local::Foot(foot) => (foot.distance < limit).then_some(foot),
             Local::Unknown if self.outside_by_ray(p, start, limit.max(0.0)) => None,

@@ -307,16 +307,16 @@ impl Epitrochoid {
         inside: &mut Mask<S>,
     ) {
         let (r, zk) = (self.pitch_radius, self.search.zk);
-        let mut found = offset.re.like(1.0).only(*inside);
+        let mut mark = offset.re.like(1.0).only(*inside);
         for k in (0..Lanes::<S>::COUNT).filter(|&k| lost.lane(k)) {
-            found.as_mut_slice()[k] = 0.0;
+            mark.as_mut_slice()[k] = 0.0;
             // Unit number e^{i a0} for any a0 of this phase.
             let phase = phase.lane(k);
             let start = Complex::unit(phase.arg() / (zk - 1.0));
             let local = Complex::ONE + phase.scale(self.shortening / zk) + offset.lane(k);
             let p = (local * start).scale(r);
             if let Some(foot) = self.foot_within(p, [start, start * phase], 0.0) {
-                found.as_mut_slice()[k] = 1.0;
+                mark.as_mut_slice()[k] = 1.0;
                 let turn = foot.unit * start.conj();
                 let lobe = foot.unit.powu(self.sleeves) * start.conj();
                 let lobe = lobe.scale(self.shortening);
@@ -327,7 +327,7 @@ impl Epitrochoid {
         }
         // A point on the curve to rounding is inside if the resulting depth is above 0.
         let height = (pose.turn + pose.lobe).dot(pose.offset);
-        let found = offset.re.like(0.5).less(found);
-        *inside = found.and(height.less(offset.re.like(0.0)));
+        let mark = offset.re.like(0.5).less(mark);
+        *inside = mark.and(height.less(offset.re.like(0.0)));
     }
 }

@@ -124,7 +124,7 @@ impl Epitrochoid {
         Some(curve)
     }
 
-    /// Creates the curve for its points alone, from any numbers, without what [`closest`](Self::closest) needs.
+    /// Creates the curve for its points only, from any numbers; [`closest`](Self::closest) is not available.
     pub fn unsearched(eccentricity: f64, sleeves: u32, shortening: f64) -> Self {
         Self {
             pitch_radius: eccentricity * f64::from(sleeves) / shortening,
@@ -390,9 +390,9 @@ impl Epitrochoid {
             }
         }
         // Padding to full lanes with the first place, which changes nothing.
-        let whole = xs.len().next_multiple_of(LANES);
-        xs.resize(whole, xs[0]);
-        ys.resize(whole, ys[0]);
+        let padded = xs.len().next_multiple_of(LANES);
+        xs.resize(padded, xs[0]);
+        ys.resize(padded, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
         // Lobes with an offset are not symmetric.

@@ -500,12 +500,12 @@ impl<S: Simd> ComplexLanes<S> {
         // Adding and subtracting this rounds to an integer.
         const ROUND: f64 = 6_755_399_441_055_744.0;
         let c = |x: f64| angle.like(x);
-        let whole = |x: Lanes<S>| (x + c(ROUND)) - c(ROUND);
+        let rounded = |x: Lanes<S>| (x + c(ROUND)) - c(ROUND);
         if c(MOST).less(angle.abs()).any() {
             return Self::unit_by_lane(angle);
         }
-        let n = whole(angle * c(std::f64::consts::FRAC_1_PI));
-        let odd = n - whole(n * c(0.5)) * c(2.0);
+        let n = rounded(angle * c(std::f64::consts::FRAC_1_PI));
+        let odd = n - rounded(n * c(0.5)) * c(2.0);
         let sign = (odd * odd).mul_add(c(-2.0), c(1.0));
         let x = ((angle - n * c(PI[0])) - n * c(PI[1])) - n * c(PI[2]);
         let x2 = x * x;

@@ -89,7 +89,7 @@ pub struct CachedBuild<'a, T> {
     /// Title of the progress note.
     pub title: &'static str,
     /// Reads a folder; `None` unless the build in it is complete.
-    pub whole: &'a dyn Fn(&Path) -> Option<T>,
+    pub read: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
     pub build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
 }
@@ -101,12 +101,12 @@ impl<T> CachedBuild<'_, T> {
     /// Errors of the build; a folder that cannot be written; a stop.
     pub fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
         let folder = cache.join(self.name);
-        if let Some(content) = (self.whole)(&folder) {
+        if let Some(content) = (self.read)(&folder) {
             return Ok(content);
         }
         let _lock = lock(&cache.join(format!("{}.lock", self.name)), cancel)?;
         // Another process may have built it meanwhile.
-        if let Some(content) = (self.whole)(&folder) {
+        if let Some(content) = (self.read)(&folder) {
             return Ok(content);
         }
         remove_leftovers(cache, self.name);
@@ -121,7 +121,7 @@ impl<T> CachedBuild<'_, T> {
             fs::remove_dir_all(&folder).map_err(refused)?;
         }
         fs::rename(draft.keep(), &folder).map_err(refused)?;
-        (self.whole)(&folder).ok_or_else(|| {
+        (self.read)(&folder).ok_or_else(|| {
             let reason = "the new build does not start, or lacks a required part";
             unless_stopped(cancel, storage(&folder, reason))
         })

@@ -21,7 +21,7 @@ pub struct Progress<'a> {
     pub simulated_s: Option<[f64; 2]>,
     /// CPU time of the run's thread, if another thread reports.
     pub cpu: Option<Duration>,
-    /// Remaining time of the whole study, s, if known.
+    /// Remaining time of the study, s, if known.
     pub left_s: Option<f64>,
 }
 

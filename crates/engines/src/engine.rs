@@ -59,8 +59,8 @@ impl Run {
     ///
     /// # Errors
     /// Any other ending.
-    pub fn whole(self) -> Result<Self, Ending> {
-        self.ending.whole().map(|()| self)
+    pub fn finished(self) -> Result<Self, Ending> {
+        self.ending.finished().map(|()| self)
     }
 
     /// Adds a note if requested channels are missing in the time series.

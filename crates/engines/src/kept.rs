@@ -135,9 +135,9 @@ impl Store {
     }
 
     /// Returns the number of new runs since the store was opened.
-    pub fn made(&self) -> usize {
+    pub fn added(&self) -> usize {
         let files = self.files("").into_iter();
-        files.filter(|(made, ..)| *made >= self.opened).count()
+        files.filter(|(at, ..)| *at >= self.opened).count()
     }
 
     /// Returns the CPU time of the latest runs of an engine on a scene, s; `None` if there are none.
@@ -234,8 +234,8 @@ impl Engine for Keeper {
     fn kept(&self, gearbox: &Gearbox, most: Option<Duration>) -> Option<Run> {
         let (store, path) = (&self.store, self.path(&gearbox.scene));
         let about = fs::metadata(&path).ok()?;
-        let made = about.modified().ok()?;
-        let is_older = store.fresh && made < store.opened;
+        let written = about.modified().ok()?;
+        let is_older = store.fresh && written < store.opened;
         if is_older || !about.is_file() || about.len() > MOST_BYTES {
             return None;
         }
@@ -264,7 +264,7 @@ impl Engine for Keeper {
             mut stats,
             ..
         } = kept.run;
-        stats.kept = (made < store.opened).then(|| format!("{date} on {machine}"));
+        stats.kept = (written < store.opened).then(|| format!("{date} on {machine}"));
         Some(Run::new(time_series, stats).with_ending(kept.ending))
     }
 

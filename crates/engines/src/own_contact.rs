@@ -61,7 +61,7 @@ impl OwnContact {
 
     /// Returns the scene for an engine of this kind: engines of balls support no other laws, so they get balls as stiff as the
     /// scene's contacts under its largest load.
-    pub fn given(self, scene: Scene) -> Scene {
+    pub fn adapted(self, scene: Scene) -> Scene {
         match self {
             Self::Balls => balls(scene),
             Self::SceneLaw | Self::Springs => scene,

@@ -246,8 +246,8 @@ pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingError>> {
     let text = |ending: &str| {
         let name = format!("{scene}/{engine}.{ending}");
-        let found = FILES.iter().find(|(path, _)| *path == name);
-        found.map(|(_, text)| *text)
+        let file = FILES.iter().find(|(path, _)| *path == name);
+        file.map(|(_, text)| *text)
     };
     Some(Recording::read(text("toml")?, text("csv")?))
 }

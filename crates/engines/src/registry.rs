@@ -1,4 +1,4 @@
-//! Engines of this build, made by their families.
+//! Engines of this build, created by their families.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,7 +33,7 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 /// Returns the command that adds an engine missing in this build; `None` for engines of every build.
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
-    // Where a Python holds us, its packages are the engines; one command installs all that are not here.
+    // Inside a Python process its packages are the engines; one command installs all missing ones.
     #[cfg(all(feature = "python", not(feature = "crossval")))]
     if crate::python::requirement(info.package).is_some() {
         let pins = lacking().filter_map(|info| crate::python::requirement(info.package));
@@ -46,7 +46,7 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     ))
 }
 
-/// Returns what an engine of this build still needs on this machine, with the command that installs it; `None` if it runs now.
+/// Returns the missing parts of an engine on this machine, with the command that installs them; `None` if it runs now.
 pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
     match info.family() {
         #[cfg(feature = "crossval")]
@@ -58,7 +58,7 @@ pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
     }
 }
 
-/// Returns what adds the engines that this build lacks, each with their families.
+/// Returns the additions that provide the engines missing in this build, each with their families.
 pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
     let mut all = BTreeMap::<_, BTreeSet<_>>::new();
     for info in lacking() {

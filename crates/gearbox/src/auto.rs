@@ -305,10 +305,10 @@ impl<'a> Planner<'a> {
             ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
         };
         // The method's steps end at every sample, so a longer bound would have no effect.
-        let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
+        let count = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
         let longest = EXPONENTIAL_STEP * plan.longest_step_s;
         Plan {
-            longest_step_s: longest.min(solver.sample_s / seen as f64),
+            longest_step_s: longest.min(solver.sample_s / count as f64),
             ..plan
         }
     }

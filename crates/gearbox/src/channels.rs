@@ -67,7 +67,7 @@ impl PairSource for LawPairs<'_> {
 }
 
 /// State of an engine at a sample.
-pub struct Seen<'a> {
+pub struct EngineState<'a> {
     /// States of all bodies.
     pub bodies: &'a [BodyState],
     /// Torque on the input shaft, N m.
@@ -90,7 +90,7 @@ pub(crate) struct Values {
     places: Vec<usize>,
     /// Index of each pair of the gear among the requested ones, by its [`number`].
     known: Vec<Option<usize>>,
-    found: Vec<Option<PairContact>>,
+    current: Vec<Option<PairContact>>,
     /// True if a channel needs data of pairs without contact.
     needs_gaps: bool,
     /// Numbers of external and internal pins that press on each disc.
@@ -144,7 +144,7 @@ impl Values {
         Some(Self {
             needs_gaps: list.iter().any(of_gaps),
             columns: vec![Some(Vec::with_capacity(samples)); list.len()],
-            found: vec![None; pairs.len()],
+            current: vec![None; pairs.len()],
             contacts: vec![[0; 2]; gearbox.layout.wheels],
             needs_contacts: asks(&[Whole::ExternalContacts, Whole::InternalContacts]),
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
@@ -161,9 +161,9 @@ impl Values {
     }
 
     /// Adds a sample. `output_torque`: total torque on the output shaft without its load, N m.
-    pub(crate) fn record(&mut self, seen: &mut Seen<'_>, output_torque: f64) {
-        let bodies = seen.bodies;
-        let apart = self.find(seen);
+    pub(crate) fn record(&mut self, state: &mut EngineState<'_>, output_torque: f64) {
+        let bodies = state.bodies;
+        let apart = self.find(state);
         self.contacts.fill([0; 2]);
         let counts = &mut self.contacts;
         let mut count = |wheel: usize, sleeve: Sleeve| {
@@ -171,9 +171,9 @@ impl Values {
             counts[wheel][kind] += 1;
         };
         if self.needs_contacts {
-            seen.contacts.loaded(bodies, self.pressing_n, &mut count);
+            state.contacts.loaded(bodies, self.pressing_n, &mut count);
         }
-        let losses = self.needs_losses.then(|| seen.contacts.losses(bodies));
+        let losses = self.needs_losses.then(|| state.contacts.losses(bodies));
         let losses = losses.flatten();
         let output = bodies[Layout::OUTPUT];
         let input = bodies[Layout::INPUT];
@@ -181,7 +181,7 @@ impl Values {
         let held = ring_turns.then(|| with_carrier(bodies));
         let carried_by = held.as_deref().unwrap_or(bodies);
         let powers = [
-            seen.driver_torque_n_m * input.rate,
+            state.driver_torque_n_m * input.rate,
             output_torque * output.rate,
         ];
         for (k, chosen) in self.list.iter().enumerate() {
@@ -189,15 +189,15 @@ impl Values {
                 continue;
             };
             let value = match chosen.what {
-                What::Pair(quantity) => {
-                    let found = self.found[self.places[k]].map(|pair| {
+                What::Pair(kind) => {
+                    let value = self.current[self.places[k]].map(|pair| {
                         let wheel = &bodies[self.layout.wheel_bodies().start + pair.wheel];
                         let centre = [wheel.x, wheel.y];
-                        of_pair(&pair, quantity, || {
+                        of_pair(&pair, kind, || {
                             self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
                         })
                     });
-                    found.or(apart)
+                    value.or(apart)
                 }
                 What::Joint(joint, part) => {
                     let body = carried(self.layout, joint, chosen.number);
@@ -207,10 +207,10 @@ impl Values {
                             load.map(|load| load.on_wheel)
                         }
                         // Floating discs have no revolute.
-                        _ if self.carrier.floats() && body > Layout::OUTPUT => seen
+                        _ if self.carrier.floats() && body > Layout::OUTPUT => state
                             .reactions
                             .and_then(|all| all.get(body - self.layout.wheels).copied()),
-                        _ => seen.reactions.and_then(|all| all.get(body).copied()),
+                        _ => state.reactions.and_then(|all| all.get(body).copied()),
                     };
                     force.map(|force| of_joint(bodies, force, body, part))
                 }
@@ -225,7 +225,7 @@ impl Values {
                         Component::VelocityY => body.vy,
                     })
                 }
-                What::Whole(whole) => match whole {
+                What::Whole(kind) => match kind {
                     Whole::Efficiency => Some(efficiency(powers)),
                     Whole::InputPower => Some(powers[0]),
                     Whole::OutputPower => Some(powers[1]),
@@ -246,7 +246,7 @@ impl Values {
                     Whole::BearingOffsetX | Whole::BearingOffsetY => {
                         let load = self.carrier.load(carried_by, chosen.number);
                         let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
-                        Some(if whole == Whole::BearingOffsetX { x } else { y })
+                        Some(if kind == Whole::BearingOffsetX { x } else { y })
                     }
                     Whole::ExternalContacts => Some(self.contacts[chosen.number][0] as f64),
                     Whole::InternalContacts => Some(self.contacts[chosen.number][1] as f64),
@@ -260,22 +260,22 @@ impl Values {
     }
 
     /// Evaluates the requested pairs. If only forces are requested, pairs that do not touch have zero force.
-    fn find(&mut self, seen: &mut Seen<'_>) -> Option<f64> {
-        self.found.fill(None);
-        let (found, pairs, layout) = (&mut self.found, &self.pairs, self.layout);
+    fn find(&mut self, state: &mut EngineState<'_>) -> Option<f64> {
+        self.current.fill(None);
+        let (current, pairs, layout) = (&mut self.current, &self.pairs, self.layout);
         let places = &self.known;
         let known = !self.needs_gaps
             && !pairs.is_empty()
-            && seen.contacts.touching(seen.bodies, &mut |pair| {
+            && state.contacts.touching(state.bodies, &mut |pair| {
                 if let Some(place) = places[number(layout, (pair.wheel, pair.sleeve))] {
-                    found[place] = Some(*pair);
+                    current[place] = Some(*pair);
                 }
             });
         if known {
             return Some(0.0);
         }
-        for (found, &(wheel, sleeve)) in found.iter_mut().zip(pairs) {
-            *found = seen.contacts.pair(seen.bodies, wheel, sleeve);
+        for (current, &(wheel, sleeve)) in current.iter_mut().zip(pairs) {
+            *current = state.contacts.pair(state.bodies, wheel, sleeve);
         }
         None
     }

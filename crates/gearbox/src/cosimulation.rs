@@ -16,7 +16,7 @@ use pinwheel_mbs::{BodyState, Detail, Driver, Formulation, Motion, OdeSystem as 
 use serde::{Deserialize, Serialize};
 
 use crate::auto::{self, AUTO};
-use crate::channels::{LawPairs, Seen};
+use crate::channels::{EngineState, LawPairs};
 use crate::contacts::ContactField;
 use crate::forces::GearForces;
 use crate::linear_signal::LinearSignal;
@@ -335,7 +335,7 @@ impl CoSimulation {
         };
         self.recorder.record_observed(&observed, [input, load]);
         if self.recorder.wants_channels() {
-            self.recorder.record_channels(&mut Seen {
+            self.recorder.record_channels(&mut EngineState {
                 bodies: observed.bodies,
                 driver_torque_n_m: input,
                 reactions: observed.reactions,

@@ -101,14 +101,14 @@ impl EnergyAccount {
     }
 
     /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: energy of the same state.
-    pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
-        self.enter(seen.time, powers(load, seen, contacts));
+    pub(crate) fn add(&mut self, load: f64, observed: &Observation<'_>, contacts: &ContactEnergy) {
+        self.enter(observed.time, powers(load, observed, contacts));
     }
 
     /// Adds an intermediate entry, unless another one is close to it.
-    pub(crate) fn pass(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
-        self.settle_passed(seen.time);
-        self.passed = Some((seen.time, powers(load, seen, contacts)));
+    pub(crate) fn pass(&mut self, load: f64, observed: &Observation<'_>, contacts: &ContactEnergy) {
+        self.settle_passed(observed.time);
+        self.passed = Some((observed.time, powers(load, observed, contacts)));
     }
 
     /// Enters the intermediate entry if it is far enough from the entries before it and at `next`, s.
@@ -127,11 +127,11 @@ impl EnergyAccount {
     pub(crate) fn add_sample(
         &mut self,
         load: f64,
-        seen: &Observation<'_>,
+        observed: &Observation<'_>,
         contacts: &ContactEnergy,
     ) {
-        self.add(load, seen, contacts);
-        self.mark(seen.time, [seen.kinetic_j, contacts.stored_j]);
+        self.add(load, observed, contacts);
+        self.mark(observed.time, [observed.kinetic_j, contacts.stored_j]);
     }
 
     /// Marks the last entry as the sample at `time`, s, with kinetic and stored energy, J.
@@ -233,12 +233,12 @@ impl EnergyAccount {
 }
 
 #[inline]
-fn powers(load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) -> Flows {
-    let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
+fn powers(load: f64, observed: &Observation<'_>, contacts: &ContactEnergy) -> Flows {
+    let driver = observed.driver_torques.first().copied().unwrap_or(0.0);
     let [in_contacts, in_bearings, by_sleeves, by_seals] = contacts.by_cause_w();
     [
-        driver * seen.bodies[Layout::INPUT].rate,
-        load * seen.bodies[Layout::OUTPUT].rate,
+        driver * observed.bodies[Layout::INPUT].rate,
+        load * observed.bodies[Layout::OUTPUT].rate,
         contacts.damping_w,
         in_contacts,
         in_bearings,

@@ -165,7 +165,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let constraints = mechanism.constraints();
     let mut modelled = Statements::default();
     let mut left_out = Statements::default();
-    // Read last: what the gear is comes before how it is computed.
+    // Equations come last: the gear is described before its computation.
     let mut equations = Statements::default();
 
     let revolutes = mechanism.revolutes.len();
@@ -333,9 +333,9 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         bearings(gearbox, &mut modelled, &mut left_out);
     }
     let structure = scene.structure_in_words();
-    let given = &scene.bearings;
-    let deflection = given.eccentric.is_some()
-        || given.internal_sleeve_stiffness_n_m.is_some()
+    let bearings = &scene.bearings;
+    let deflection = bearings.eccentric.is_some()
+        || bearings.internal_sleeve_stiffness_n_m.is_some()
         || !structure.is_empty();
     for (what, how) in structure {
         modelled.add(what, how);

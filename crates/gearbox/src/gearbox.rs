@@ -266,10 +266,10 @@ impl Gearbox {
     }
 
     /// Returns states relative to the ring as those in the frame of the ground.
-    pub(crate) fn to_ground(&self, seen: Vec<BodyState>) -> Vec<BodyState> {
+    pub(crate) fn to_ground(&self, relative: Vec<BodyState>) -> Vec<BodyState> {
         match self.scene.ring_turns() {
-            true => ring_frame::from_carrier(&seen),
-            false => seen,
+            true => ring_frame::from_carrier(&relative),
+            false => relative,
         }
     }
 

@@ -20,12 +20,12 @@ const PITCHES: f64 = 0.25;
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| bodies[body].angle);
-    let mut seen = Vec::new();
+    let mut relative = Vec::new();
     let bodies = match gearbox.scene.ring_turns() {
         false => bodies,
         true => {
-            from_ring(bodies, &mut seen);
-            &seen
+            from_ring(bodies, &mut relative);
+            &relative
         }
     };
     let pitch = pitch(gearbox);

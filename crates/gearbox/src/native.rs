@@ -8,7 +8,7 @@ use pinwheel_mbs::{
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
 use crate::balance::Balance;
-use crate::channels::{LawPairs, Seen};
+use crate::channels::{EngineState, LawPairs};
 use crate::contacts::{ContactEnergy, ContactField};
 use crate::energy::EnergyAccount;
 use crate::events::Event;
@@ -44,8 +44,8 @@ impl NativeRun {
     ///
     /// # Errors
     /// The ending of a run that did not finish.
-    pub fn whole(self) -> Result<Self, Ending> {
-        self.ending.whole().map(|()| self)
+    pub fn finished(self) -> Result<Self, Ending> {
+        self.ending.finished().map(|()| self)
     }
 }
 
@@ -58,7 +58,7 @@ pub enum NativeError {
     /// The observer requested a stop.
     #[error("stopped")]
     Stopped,
-    /// The run ended early, but a complete one is required ([`NativeRun::whole`]).
+    /// The run ended early, but a complete one is required ([`NativeRun::finished`]).
     #[error(transparent)]
     Ended(#[from] Ending),
     /// Recording failed.
@@ -208,15 +208,15 @@ fn integrate<F: Formulation>(
     // Most methods do not compute the energy, and most scenes request no channels; the field is then not needed.
     let mut field = None;
     let times = solver.sample_times_s();
-    let whole = !limits.samples_alone;
-    let mut recorder = match whole {
+    let between = !limits.samples_alone;
+    let mut recorder = match between {
         true => Recorder::with_between(gearbox, times.len()),
         false => Recorder::new(gearbox),
     };
-    if !whole {
+    if !between {
         system.observe_from(f64::INFINITY);
     }
-    let account_step = match whole {
+    let account_step = match between {
         true => solver.step_s,
         false => solver.step_s.max(solver.sample_s),
     };
@@ -249,7 +249,7 @@ fn integrate<F: Formulation>(
                 }
                 stepper.interpolate(&mut system, time, &mut y);
                 if let Event::Entry(time) | Event::Break(time, _) = due
-                    && whole
+                    && between
                 {
                     let observed = system.observe(time, &y, Detail::Forces);
                     let contacts = contact_energy(&observed, gearbox, &mut field)?;
@@ -270,7 +270,7 @@ fn integrate<F: Formulation>(
             };
             let observed = system.observe(t, &y, detail);
             guard::check(gearbox, observed.bodies).map_err(diverged(t))?;
-            if whole {
+            if between {
                 let contacts = contact_energy(&observed, gearbox, &mut field)?;
                 energy.add_sample(load.torque(t), &observed, &contacts);
                 if let Some(audit) = energy.latest() {
@@ -279,7 +279,7 @@ fn integrate<F: Formulation>(
             }
             recorder.record_observed(&observed, [observed.driver_torques[0], load.torque(t)]);
             if recorder.wants_channels() {
-                recorder.record_channels(&mut Seen {
+                recorder.record_channels(&mut EngineState {
                     bodies: observed.bodies,
                     driver_torque_n_m: observed.driver_torques[0],
                     reactions: observed.reactions,
@@ -349,8 +349,8 @@ fn advance<F: Formulation>(
     if pace.is_due() {
         let (time, counts) = (stepper.time(), stepper.counts());
         if counts.evaluations > limits.evaluations {
-            let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
-            return Err(diverged(time)(told));
+            let reason = format!("more than {:.1e} evaluations", limits.evaluations as f64);
+            return Err(diverged(time)(reason));
         }
         if watch(time) {
             return Err(NativeError::Stopped);

@@ -94,8 +94,8 @@ pub fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], a
         let p = p * turn.conj();
         let unit = p.scale(p.norm().recip());
         let start = [unit, unit.powu(curve.lobes() + 1)];
-        let found = curve.foot_within(p, start, limit);
-        let at = found.unwrap_or_else(|| curve.closest(p)).at;
+        let foot = curve.foot_within(p, start, limit);
+        let at = foot.unwrap_or_else(|| curve.closest(p)).at;
         ((at.normal * turn).dot(n), at.curvature)
     };
     match geometry.flanks {

@@ -6,7 +6,7 @@ use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::Gearbox;
 use crate::Layout;
-use crate::channels::{Seen, Values};
+use crate::channels::{EngineState, Values};
 use crate::contacts::ContactField;
 
 /// Recording of a run: columns in the contract's order.
@@ -96,38 +96,38 @@ impl Recorder {
 
     /// Records a sample from a formulation's observation, in which contacts are the only load of a pin. `shafts`: torque of the
     /// driver and load on the output, N m.
-    pub fn record_observed(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
-        let (head, sleeves) = self.head(seen, shafts);
-        self.record_known(seen.time, head, sleeves);
+    pub fn record_observed(&mut self, at: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(at, shafts);
+        self.record_known(at.time, head, sleeves);
         if let Some(between) = &mut self.between {
             let row = &self.rows[(self.pending - 1) * self.columns.len()..];
-            between.push(seen.time, true, &points(self.layout, row));
+            between.push(at.time, true, &points(self.layout, row));
         }
     }
 
     /// Records an observation between samples.
-    pub(crate) fn record_between(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
-        let (head, sleeves) = self.head(seen, shafts);
+    pub(crate) fn record_between(&mut self, at: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(at, shafts);
         if let Some(between) = &mut self.between {
             fill(&mut self.row, head, sleeves);
-            between.push(seen.time, false, &points(self.layout, &self.row));
+            between.push(at.time, false, &points(self.layout, &self.row));
         }
     }
 
     /// Returns the columns before the pins', and the pins' loads.
     fn head<'a>(
         &self,
-        seen: &Observation<'a>,
+        at: &Observation<'a>,
         [driver_torque, load]: [f64; 2],
     ) -> ([f64; columns::HEAD.len()], &'a [Wrench]) {
-        let sleeves = &seen.loads[self.layout.external_bodies().start..];
+        let sleeves = &at.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
         // Moment on the output without its load.
-        let torque = match seen.moments {
+        let torque = match at.moments {
             Some(moments) => moments[output] - load,
-            None => self.output_torque(seen.bodies, sleeves) + (seen.loads[output].moment - load),
+            None => self.output_torque(at.bodies, sleeves) + (at.loads[output].moment - load),
         };
-        ([driver_torque, torque, seen.bodies[output].angle], sleeves)
+        ([driver_torque, torque, at.bodies[output].angle], sleeves)
     }
 
     /// Records a sample from known pin forces (ground frame, N, external then internal). Other torques on the output, without
@@ -204,11 +204,11 @@ impl Recorder {
     }
 
     /// Adds the channels of the last sample.
-    pub fn record_channels(&mut self, seen: &mut Seen<'_>) {
+    pub fn record_channels(&mut self, state: &mut EngineState<'_>) {
         let last = self.pending.checked_sub(1);
         let output_torque = last.map_or(0.0, |row| self.rows[row * self.columns.len() + 1]);
         if let Some(channels) = &mut self.channels {
-            channels.record(seen, output_torque);
+            channels.record(state, output_torque);
         }
     }
 

@@ -156,7 +156,7 @@ impl Search<'_> {
                     let run = Rc::new(run);
                     runs.insert(0, (plan.value(), Rc::clone(&run)));
                     runs.truncate(3);
-                    let mut found = Best {
+                    let mut trial = Best {
                         ladder: refinement.ladder(&plan, &self.gearbox.scene, &runs),
                         run: Rc::clone(&run),
                         sparse: sparse.then(|| plan.clone()),
@@ -169,16 +169,16 @@ impl Search<'_> {
                         let moved = self.gearbox.distance(coarser, finer);
                         let error = refinement.error(moved, factor, last);
                         let error = error.at_least(refinement.shared_error * plan.tolerance);
-                        self.levels[found.level].moved = Some(moved);
-                        found.error = Some(error);
-                        found.holds = holds(self.target, error, moved, last.map(|(d, _)| d));
+                        self.levels[trial.level].moved = Some(moved);
+                        trial.error = Some(error);
+                        trial.holds = holds(self.target, error, moved, last.map(|(d, _)| d));
                         last = Some((moved, factor));
                         factor = refinement.next(error, self.target);
                     } else {
                         factor = refinement.first;
                     }
-                    let done = found.holds;
-                    self.keep(found);
+                    let done = trial.holds;
+                    self.keep(trial);
                     if done {
                         return Ok(true);
                     }
@@ -244,11 +244,11 @@ impl Search<'_> {
     }
 
     /// Keeps the run if its estimated error is smaller than that of the best.
-    pub fn keep(&mut self, found: Best) {
+    pub fn keep(&mut self, trial: Best) {
         let worst = |error: Option<Distance>| error.map_or(f64::INFINITY, |e| e.worst());
         let best = self.best.as_ref();
-        if best.is_none_or(|best| worst(found.error) <= worst(best.error)) {
-            self.best = Some(found);
+        if best.is_none_or(|best| worst(trial.error) <= worst(best.error)) {
+            self.best = Some(trial);
         }
     }
 

@@ -13,10 +13,10 @@ use pinwheel_mbs::{BodyState, Wrench};
 use crate::Layout;
 use crate::contacts::pair::PairContact;
 
-/// Frame of a ring that is the output, with the states and loads that the contacts see in it.
+/// Frame of a ring that is the output, with states and loads relative to it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RingFrame {
-    pub(crate) seen: Vec<BodyState>,
+    pub(crate) local: Vec<BodyState>,
     pub(crate) own: Vec<Wrench>,
 }
 
@@ -37,18 +37,18 @@ fn in_frame(body: &BodyState, frame: &BodyState) -> BodyState {
 }
 
 /// Writes the states of `bodies`, whose output is the ring, relative to the ring, with the carrier as the output.
-pub(crate) fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
+pub(crate) fn from_ring(bodies: &[BodyState], local: &mut Vec<BodyState>) {
     let ring = bodies[Layout::OUTPUT];
-    seen.clear();
-    seen.extend(bodies.iter().map(|body| in_frame(body, &ring)));
-    seen[Layout::OUTPUT] = in_frame(&BodyState::default(), &ring);
+    local.clear();
+    local.extend(bodies.iter().map(|body| in_frame(body, &ring)));
+    local[Layout::OUTPUT] = in_frame(&BodyState::default(), &ring);
 }
 
 /// Returns the states in the ground frame of bodies given relative to the ring, with a carrier angle of 0.
-pub(crate) fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
+pub(crate) fn from_carrier(local: &[BodyState]) -> Vec<BodyState> {
     let mut bodies = Vec::new();
     // Relative to the carrier the ring rotates backwards, so the transformation is the same.
-    from_ring(seen, &mut bodies);
+    from_ring(local, &mut bodies);
     bodies
 }
 
@@ -64,7 +64,7 @@ impl RingFrame {
                 load.moment += own.moment;
             }
         }
-        let all = self.seen.iter().zip(&self.own);
+        let all = self.local.iter().zip(&self.own);
         let others: f64 = all
             .map(|(at, own)| at.x * own.fy - at.y * own.fx + own.moment)
             .sum();

@@ -122,7 +122,7 @@ pub struct Statics<'a> {
     repeats: u64,
     /// Residual at which Newton's method ends, relative to the load's size.
     goal: f64,
-    /// True if parts rub as they slide in `motion`.
+    /// True if parts slide with friction in `motion`.
     rubs: bool,
     /// Unknowns and residuals of the balances so far, by the bits of input angle and load.
     known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,
@@ -456,9 +456,9 @@ impl<'a> Statics<'a> {
             Free::Places => false,
         };
         if !by_differences {
-            let found = self.derivatives(problem, u);
-            if found.is_some() || problem.free == Free::Angles {
-                return found.map(|[position, _]| position);
+            let exact = self.derivatives(problem, u);
+            if exact.is_some() || problem.free == Free::Angles {
+                return exact.map(|[position, _]| position);
             }
         }
         Some(self.differences(problem, u, here))
@@ -542,8 +542,8 @@ impl<'a> Statics<'a> {
         let (shape, left) = (solve(&stiffness)?, solve(&stiffness.transpose())?);
         let stiffness = -1.0 / shape[0];
         let damping = -stiffness * stiffness * left.dot(&(damping * shape));
-        let seen = self.gearbox.scene.carrier_moment_per_output().powi(2);
-        Some([stiffness, damping].map(|of_carrier| of_carrier / seen))
+        let states = self.gearbox.scene.carrier_moment_per_output().powi(2);
+        Some([stiffness, damping].map(|of_carrier| of_carrier / states))
     }
 
     /// Returns true if the ideal mesh is in balance without a load, but for rounding. No other rest position within the play is
@@ -614,9 +614,9 @@ impl<'a> Statics<'a> {
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
         // Without a load the gear may rest anywhere in its play, and there is no slope to follow.
-        let found = (load != 0.0).then(|| self.continue_from(near, phi, load));
-        match found.flatten() {
-            Some(found) => Ok(found),
+        let balance = (load != 0.0).then(|| self.continue_from(near, phi, load));
+        match balance.flatten() {
+            Some(balance) => Ok(balance),
             None => self.solve(phi, load),
         }
     }
@@ -674,20 +674,20 @@ impl<'a> Statics<'a> {
             return Ok(last.insert(self.equilibrium(&problem, &u, (left, None))));
         }
         self.goal = TRACKED;
-        let found = match last.as_ref() {
+        let balance = match last.as_ref() {
             Some(near) => self.solve_near(near, phi, load),
             None => self.solve(phi, load),
         };
         self.goal = GOAL;
-        let mut found = found?;
+        let mut balance = balance?;
         if let Some(before) = last {
-            found.follow(before, &problem);
+            balance.follow(before, &problem);
         }
         self.balances += 1;
-        let u = problem.unknowns(&found.bodies, self.gearbox.layout);
-        let left = DVector::from_element(1, found.residual);
+        let u = problem.unknowns(&balance.bodies, self.gearbox.layout);
+        let left = DVector::from_element(1, balance.residual);
         self.known.insert(key, (u, left));
-        Ok(last.insert(found))
+        Ok(last.insert(balance))
     }
 
     /// Returns the balance at `u`, whose residual is `left`.
@@ -776,10 +776,10 @@ impl<'a> Statics<'a> {
                 [speed * (b - a) / (2.0 * h), bend]
             };
             // Rates are relative to the ring, accelerations to the ground.
-            let seen = [&before, &here, &after].map(|at| at.bodies.clone());
-            let ground = seen.clone().map(|bodies| self.gearbox.to_ground(bodies));
+            let states = [&before, &here, &after].map(|at| at.bodies.clone());
+            let ground = states.clone().map(|bodies| self.gearbox.to_ground(bodies));
             let course = |body: usize, of: fn(&BodyState) -> f64| {
-                let [[rate, _], [_, bend]] = [&seen, &ground].map(|at| {
+                let [[rate, _], [_, bend]] = [&states, &ground].map(|at| {
                     let [b, m, a] = [0, 1, 2].map(|k| of(&at[k][body]));
                     derivatives(b, m, a)
                 });

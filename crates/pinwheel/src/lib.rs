@@ -2,7 +2,7 @@
 //!
 //! A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes roll inside a ring
 //! of rollers (*ring pins*), and rollers in the discs' holes (*output pins*) carry the load to the output.
-//! A [`Scene`] says which gear, load, contact law and solver; an *engine* turns it into [`TimeSeries`], time series of
+//! A [`Scene`] states gear, load, contact law and solver; an *engine* turns it into [`TimeSeries`], time series of
 //! forces, torques and angles. All values are SI; names of keys and columns end in their unit.
 //!
 //! # Run a gear
@@ -13,8 +13,8 @@
 //!
 //! let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
 //! let loose = paper.changed(|scene| scene.gear.backlash_m = 6e-4)?;
-//! let found = pinwheel::run(&loose, "native")?;
-//! let torque = found.run.time_series.channel("input_torque_n_m").ok_or("no such column")?;
+//! let outcome = pinwheel::run(&loose, "native")?;
+//! let torque = outcome.run.time_series.channel("input_torque_n_m").ok_or("no such column")?;
 //! let driver = Statistics::of(&View::new(vec![torque])).ok_or("no samples")?;
 //! println!("driver torque {:.3} N m in the mean, {:.3} at most", driver.mean, driver.peak);
 //! # assert!((0.5..3.0).contains(&driver.mean), "{}", driver.mean);
@@ -28,16 +28,16 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
 //! let names = ["native-reduced", "native-lagrange", "native-resolved"];
-//! let found = pinwheel::compare(&paper, &names)?;
-//! println!("{}", pinwheel::pages::comparison::text(&paper, &found));
-//! # assert_eq!(found.comparison.pairs.len(), 3);
-//! # assert!(found.participants.iter().all(|p| p.status.is_finished()));
+//! let outcome = pinwheel::compare(&paper, &names)?;
+//! println!("{}", pinwheel::pages::comparison::text(&paper, &outcome));
+//! # assert_eq!(outcome.comparison.pairs.len(), 3);
+//! # assert!(outcome.participants.iter().all(|p| p.status.is_finished()));
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! [`studies::choice::listed`] names the engines of a build. Of foreign ones the `shared-law` engines take contact
-//! forces from our law and check the multibody side to many digits; the `own-contact` engines find contact
+//! forces from Pinwheel's law and check the multibody side to many digits; the `own-contact` engines find contact
 //! themselves and check geometry and law to a few per cent.
 //!
 //! # What else there is
@@ -52,7 +52,7 @@
 //! | metrics, limits and verdicts | [`mod@compare`] |
 //! | sweeps, baselines, cost of accuracy, stability, the paper's figures | [`studies`] |
 //! | a scene as a co-simulation unit | [`fmu`] |
-//! | pages and text of what was found | [`pages`] |
+//! | pages and text of results | [`pages`] |
 //!
 //! # Optimise it in debug builds too
 //!
@@ -87,32 +87,31 @@ pub use pinwheel_timeseries::TimeSeries;
 use pinwheel_scene::Override;
 use pinwheel_studies::{choice, comparison, single};
 
-/// The scene of a preset or a file, with keys set: `"gear.backlash_m = 6e-4"`, spaces or none.
+/// Loads the scene of a preset or a file, with keys set as in `"gear.backlash_m = 6e-4"`; spaces are optional.
 ///
 /// # Errors
-/// No such scene, a key that there is not, or a value that cannot be; with the remedy.
+/// An unknown scene or key, or an invalid value; with the remedy.
 pub fn load(name: &str, set: &[&str]) -> Result<CheckedScene, StudyError> {
     let parsed = set.iter().map(|text| text.parse::<Override>());
     Ok(Scene::load(name, &parsed.collect::<Result<Vec<_>, _>>()?)?)
 }
 
-/// Runs a scene on one engine. `"native"` is our solver in the form that the scene asks for.
+/// Runs a scene on one engine. `"native"` is Pinwheel's solver in the formulation that the scene states.
 ///
-/// A native run is made once more at twice its step: the outcome's
-/// [`resolution`](studies::single::Outcome::resolution) says whether the step resolves the scene. A run that diverges
-/// is an outcome too, with its time series until then.
+/// A native run is repeated at twice its step: [`resolution`](studies::single::Outcome::resolution) states whether the step
+/// resolves the scene. The outcome of a run that diverges has its time series until then.
 ///
 /// # Errors
-/// No such engine, or one that cannot run the scene or broke.
+/// The engine does not exist, cannot run the scene, or failed.
 pub fn run(scene: &CheckedScene, engine: &str) -> Result<single::Outcome, StudyError> {
     let engine = choice::find(engine, scene)?;
     single::run(&compile(scene)?, engine.as_ref(), true, &Control::quiet())
 }
 
-/// Runs a scene on several engines and compares them pair by pair; without names on all that this build has.
+/// Runs a scene on several engines and compares them pair by pair; without names on all engines of this build.
 ///
 /// # Errors
-/// No such engine, or a scene that cannot be modelled. What an engine does wrong is its status in the outcome.
+/// An unknown engine, or a scene that cannot be modelled. A failure of an engine is its status in the outcome.
 pub fn compare(scene: &CheckedScene, engines: &[&str]) -> Result<comparison::Outcome, StudyError> {
     let input = comparison::Input {
         gearbox: &compile(scene)?,
@@ -122,7 +121,7 @@ pub fn compare(scene: &CheckedScene, engines: &[&str]) -> Result<comparison::Out
     comparison::run(&input, &Control::quiet())
 }
 
-/// The gearbox of a scene: what is computed once for all engines and runs.
+/// Compiles a scene to its gearbox, which all engines and runs share.
 ///
 /// # Errors
 /// A scene that cannot be modelled.

@@ -217,7 +217,7 @@ impl Sweep {
         let each = columns.map(|column| {
             let values = match &column.values {
                 Values::Number(values) => values.into_pyobject(py)?,
-                Values::Whole(values) => values.into_pyobject(py)?,
+                Values::Integers(values) => values.into_pyobject(py)?,
                 Values::Text(values) => values.into_pyobject(py)?,
             };
             Ok((column.name.clone(), values.into_any()))

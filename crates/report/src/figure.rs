@@ -117,7 +117,7 @@ pub fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String)
     let mut table = Table::of(caption, figures)
         .text("", "Figure", |one| &*one.def.label)
         .number("", "Value", |one| one.value)
-        .said(|one| cell(one));
+        .display(|one| cell(one));
     for (cause, label) in [("contact law", "By contact law"), ("fit", "By fit")] {
         let band = |one: &&Figure| {
             let bands = one.bands();

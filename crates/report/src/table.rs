@@ -19,12 +19,12 @@ pub fn named(label: &str, unit: &str) -> String {
 
 /// Returns the text of a cell: the text that replaces the value, or the value with no digit beyond its uncertainty.
 pub fn words(column: &Column, row: usize) -> String {
-    if let Some(text) = of_row(&column.said, row) {
+    if let Some(text) = of_row(&column.display, row) {
         return text;
     }
     match &column.values {
         Values::Text(_) => column.values.words(row).unwrap_or_default().to_owned(),
-        Values::Whole(_) => column.values.text(row),
+        Values::Integers(_) => column.values.text(row),
         Values::Number(_) => column.values.number(row).map_or_else(
             || format::NONE.to_owned(),
             |value| number(value, of_row(&column.uncertainty, row), column.shown),

@@ -173,13 +173,13 @@ impl Basis {
         let is_held = self.process.holds_pins();
         let who = if is_held { "output pins" } else { "pins" };
         let mu = self.friction_coefficient.unwrap_or(usual);
-        let given = self.friction_coefficient.map_or("", |_| "as given; ");
+        let note = self.friction_coefficient.map_or("", |_| "as given; ");
         let inertia = |diameter: f64| PI / 64.0 * diameter.powi(4);
         let mut text = format!(
             "bearings.eccentric.clearance_m = {} # radial: half of ISO 5753-1, cylindrical rollers\n\
              bearings.eccentric.friction_coefficient = 0.0025 # needles with a cage have 0.002 to 0.003 (JTEKT)\n\
              bearings.eccentric.bore_m = {} # inner raceway\n\
-             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; {given}plain bearings have {state} (JTEKT)\n",
+             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; {note}plain bearings have {state} (JTEKT)\n",
             m(bearing.usual_m),
             m(raceway),
         );

@@ -135,7 +135,7 @@ const BETWEEN: f64 = 0.06;
 const CIRCLE: f64 = 0.62;
 /// Largest hole over its circle, which leaves room for the eccentric's bearing.
 const INWARDS: f64 = 0.45;
-/// Ratio of one stage above which the file says that it is one.
+/// Ratio of one stage above which the file notes that the gear has only one.
 pub const MANY: f64 = 60.0;
 /// Numbers of output pins in the order they are tried.
 const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];

@@ -6,7 +6,7 @@ use toml::{Table, Value};
 use crate::check;
 use crate::checked::{Origin, Source};
 use crate::error::Fault;
-use crate::formulas::Given;
+use crate::formulas::Inputs;
 use crate::keys::{self, DefaultValue, Key, Kind};
 use crate::model::Scene;
 use crate::scales;
@@ -64,12 +64,12 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
                         scales::state_depth(&mut scene);
                     }
                 }
-                let given = Given {
+                let inputs = Inputs {
                     table,
                     scene: &scene,
                     gear_is_sound: sound,
                 };
-                let Some(number) = formula(&given) else {
+                let Some(number) = formula(&inputs) else {
                     if missing.is_empty() || new_part == "gear" {
                         missing.push(row.name);
                     }
@@ -118,14 +118,14 @@ fn refresh(scene: &mut Scene, table: &Table) {
             }
         }
     }
-    let Ok(mut whole) = Table::try_from(&*scene) else {
+    let Ok(mut document) = Table::try_from(&*scene) else {
         return;
     };
-    lay(&mut whole, table);
-    if let Some(Value::Table(gear)) = whole.get_mut("gear") {
+    lay(&mut document, table);
+    if let Some(Value::Table(gear)) = document.get_mut("gear") {
         gear.remove("pin_circle_radius_m");
     }
-    if let Ok(found) = whole.try_into() {
-        *scene = found;
+    if let Ok(filled) = document.try_into() {
+        *scene = filled;
     }
 }

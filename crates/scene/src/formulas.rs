@@ -9,7 +9,7 @@ use crate::speed_profile::fastest_rad_s;
 use crate::table::number;
 
 /// Values so far: given, or filled in from earlier rows of the key table.
-pub struct Given<'a> {
+pub struct Inputs<'a> {
     pub(crate) table: &'a Table,
     /// Scene so far, with placeholders for missing rows.
     pub(crate) scene: &'a Scene,
@@ -24,7 +24,7 @@ const FACE: f64 = 0.15;
 /// Damping of the fastest mode as a share of critical damping.
 const DAMPING: f64 = 0.05;
 
-impl Given<'_> {
+impl Inputs<'_> {
     fn number(&self, name: &str) -> Option<f64> {
         number(self.table, name)
     }
@@ -64,45 +64,45 @@ impl Given<'_> {
     }
 }
 
-pub(crate) fn shortening(given: &Given<'_>) -> Option<f64> {
-    let radius = given.number("gear.pin_circle_radius_m")?;
-    Some(given.number("gear.eccentricity_m")? * given.number("gear.external_sleeves")? / radius)
+pub(crate) fn shortening(inputs: &Inputs<'_>) -> Option<f64> {
+    let radius = inputs.number("gear.pin_circle_radius_m")?;
+    Some(inputs.number("gear.eccentricity_m")? * inputs.number("gear.external_sleeves")? / radius)
 }
 
-pub(crate) fn cranks(given: &Given<'_>) -> Option<f64> {
-    given.number("cranks.count")
+pub(crate) fn cranks(inputs: &Inputs<'_>) -> Option<f64> {
+    inputs.number("cranks.count")
 }
 
-pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
-    given.number("cranks.circle_radius_m")
+pub(crate) fn crank_circle(inputs: &Inputs<'_>) -> Option<f64> {
+    inputs.number("cranks.circle_radius_m")
 }
 
-pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
-    let eccentricity = given.number("gear.eccentricity_m")?;
-    let shaft = given.number("cranks.bore_radius_m")? - eccentricity;
+pub(crate) fn crank_shaft(inputs: &Inputs<'_>) -> Option<f64> {
+    let eccentricity = inputs.number("gear.eccentricity_m")?;
+    let shaft = inputs.number("cranks.bore_radius_m")? - eccentricity;
     // The check of cranks reports a bore that leaves no shaft.
     Some(if shaft > 0.0 { shaft } else { eccentricity })
 }
 
-pub(crate) fn hole_radius(given: &Given<'_>) -> Option<f64> {
-    Some(given.number("gear.internal_sleeve_radius_m")? + given.number("gear.eccentricity_m")?)
+pub(crate) fn hole_radius(inputs: &Inputs<'_>) -> Option<f64> {
+    Some(inputs.number("gear.internal_sleeve_radius_m")? + inputs.number("gear.eccentricity_m")?)
 }
 
-pub(crate) fn face_width(given: &Given<'_>) -> Option<f64> {
-    let gear = given.gear()?;
-    let stated = given.number("gear.face_width_m");
+pub(crate) fn face_width(inputs: &Inputs<'_>) -> Option<f64> {
+    let gear = inputs.gear()?;
+    let stated = inputs.number("gear.face_width_m");
     Some(stated.unwrap_or_else(|| FACE * gear.pitch_radius_m()))
 }
 
 macro_rules! bodies {
     ($($mass:ident $moment:ident $name:literal, $shape:expr, $widths:expr;)*) => {
         $(
-            pub(crate) fn $mass(given: &Given<'_>) -> Option<f64> {
-                given.mass($shape, $widths)
+            pub(crate) fn $mass(inputs: &Inputs<'_>) -> Option<f64> {
+                inputs.mass($shape, $widths)
             }
 
-            pub(crate) fn $moment(given: &Given<'_>) -> Option<f64> {
-                given.moment($name, $shape)
+            pub(crate) fn $moment(inputs: &Inputs<'_>) -> Option<f64> {
+                inputs.moment($name, $shape)
             }
         )*
     };
@@ -120,41 +120,41 @@ fn all_wheels(gear: &Gear) -> f64 {
     gear.wheels as f64
 }
 
-pub(crate) fn damping(given: &Given<'_>) -> Option<f64> {
-    let scales = given.scales()?;
+pub(crate) fn damping(inputs: &Inputs<'_>) -> Option<f64> {
+    let scales = inputs.scales()?;
     Some(short(
         2.0 * DAMPING * scales.contact_stiffness_n_m / scales.modes_rad_s[1],
     ))
 }
 
-pub(crate) fn ramp(given: &Given<'_>) -> Option<f64> {
-    Some(short(0.1 * given.scales()?.penetration_m))
+pub(crate) fn ramp(inputs: &Inputs<'_>) -> Option<f64> {
+    Some(short(0.1 * inputs.scales()?.penetration_m))
 }
 
-pub(crate) fn friction_ramp(given: &Given<'_>) -> Option<f64> {
-    let speed = given.speed()?;
+pub(crate) fn friction_ramp(inputs: &Inputs<'_>) -> Option<f64> {
+    let speed = inputs.speed()?;
     let speed = if speed > 0.0 { speed } else { 1.0 };
-    let ramp = 1e-3 * speed * given.number("gear.eccentricity_m")?;
+    let ramp = 1e-3 * speed * inputs.number("gear.eccentricity_m")?;
     // Least value that the key may have.
     Some(short(ramp.max(1e-18)))
 }
 
-pub(crate) fn friction_dynamic_speed(given: &Given<'_>) -> Option<f64> {
-    Some(20.0 * given.number("contact.friction_ramp_m_s")?)
+pub(crate) fn friction_dynamic_speed(inputs: &Inputs<'_>) -> Option<f64> {
+    Some(20.0 * inputs.number("contact.friction_ramp_m_s")?)
 }
 
-pub(crate) fn constant_stiffness(given: &Given<'_>) -> Option<f64> {
-    let radius = given.gear()?.external_sleeve_radius_m;
-    Some(short(hertz(given.scene).on_flat(radius)))
+pub(crate) fn constant_stiffness(inputs: &Inputs<'_>) -> Option<f64> {
+    let radius = inputs.gear()?.external_sleeve_radius_m;
+    Some(short(hertz(inputs.scene).on_flat(radius)))
 }
 
-pub(crate) fn wheel_points(given: &Given<'_>) -> Option<f64> {
-    Some((100.0 * given.gear()?.lobes() as f64).max(4000.0))
+pub(crate) fn wheel_points(inputs: &Inputs<'_>) -> Option<f64> {
+    Some((100.0 * inputs.gear()?.lobes() as f64).max(4000.0))
 }
 
 /// Returns the period of an input turn, s; of a gear at rest ten periods of its slowest mode.
-fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
-    let speed = given.speed()?;
+fn turn(inputs: &Inputs<'_>, scales: &Scales) -> Option<f64> {
+    let speed = inputs.speed()?;
     let tau = std::f64::consts::TAU;
     Some(if speed > 0.0 {
         tau / speed
@@ -163,29 +163,29 @@ fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
     })
 }
 
-pub(crate) fn duration(given: &Given<'_>) -> Option<f64> {
-    let scales = given.scales()?;
-    let turn = turn(given, &scales)?;
-    let last = crate::load_profile::last_change_s(given.scene).unwrap_or(0.0);
-    let settled = scales.settling_s(given.scene.contact.damping_n_s_m);
+pub(crate) fn duration(inputs: &Inputs<'_>) -> Option<f64> {
+    let scales = inputs.scales()?;
+    let turn = turn(inputs, &scales)?;
+    let last = crate::load_profile::last_change_s(inputs.scene).unwrap_or(0.0);
+    let settled = scales.settling_s(inputs.scene.contact.damping_n_s_m);
     let quiet = settled.map_or(10.0 * turn, |settled| settled + 2.0 * turn);
     Some(short(last + quiet.clamp(3.0 * turn, 10.0 * turn)))
 }
 
-pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
-    let scales = given.scales()?;
-    let turn = turn(given, &scales)? / given.scene.eccentric_per_input().abs();
-    let mesh = turn / given.gear()?.external_sleeves as f64;
+pub(crate) fn sample(inputs: &Inputs<'_>) -> Option<f64> {
+    let scales = inputs.scales()?;
+    let turn = turn(inputs, &scales)? / inputs.scene.eccentric_per_input().abs();
+    let mesh = turn / inputs.gear()?.external_sleeves as f64;
     let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
-    let duration = given.number("solver.duration_s")?;
+    let duration = inputs.number("solver.duration_s")?;
     let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);
     // An integer number of samples makes all intervals equal.
     Some(duration / (duration / wanted).ceil())
 }
 
-pub(crate) fn step(given: &Given<'_>) -> Option<f64> {
-    let fast = std::f64::consts::TAU / given.scales()?.modes_rad_s[1];
-    let sample = given.number("solver.sample_s")?;
+pub(crate) fn step(inputs: &Inputs<'_>) -> Option<f64> {
+    let fast = std::f64::consts::TAU / inputs.scales()?.modes_rad_s[1];
+    let sample = inputs.number("solver.sample_s")?;
     // Engines with fixed steps need samples on steps.
     Some(sample / (sample / (fast / 50.0)).ceil())
 }

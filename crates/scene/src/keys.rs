@@ -6,7 +6,7 @@
 
 use toml::{Table, Value};
 
-use crate::formulas::{self, Given};
+use crate::formulas::{self, Inputs};
 use crate::names;
 use crate::table::lookup;
 
@@ -54,7 +54,7 @@ pub enum DefaultValue {
     /// Usual value, as TOML, and its reason.
     Constant(&'static str, &'static str),
     /// Value computed from others, and its formula; `None` if these are missing.
-    Formula(fn(&Given<'_>) -> Option<f64>, &'static str),
+    Formula(fn(&Inputs<'_>) -> Option<f64>, &'static str),
 }
 
 /// Key of a scene.

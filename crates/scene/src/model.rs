@@ -27,7 +27,7 @@ pub struct Scene {
     /// Compliance beside that of the contacts; without it only contacts deflect.
     #[serde(default, skip_serializing_if = "is_default")]
     pub bearings: Bearings,
-    /// Parts behind the contacts that give way.
+    /// Elastic parts behind the contacts.
     #[serde(default, skip_serializing_if = "is_default")]
     pub structure: Structure,
     /// Parts warmer than when their sizes were measured.
@@ -334,14 +334,14 @@ pub enum Held {
     BothEnds,
 }
 
-/// Parts behind the contacts that give way, each with its closed form; `None`: rigid.
+/// Elastic parts behind the contacts, each with its closed form; `None` if rigid.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Structure {
     /// Diameter of the output pins as beams that all discs bend, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_pin_diameter_m: Option<f64>,
-    /// Length of an output pin's seat in what holds it, m.
+    /// Length of an output pin's seat in its holder, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_seat_length_m: Option<f64>,
     /// Length of a ring pin's seat in the housing, m.
@@ -568,8 +568,8 @@ impl Gear {
 impl Solver {
     /// Returns the sample times 0, sample_s, 2 sample_s, ... and the end.
     pub fn sample_times_s(&self) -> Vec<f64> {
-        let whole = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
-        let mut times: Vec<f64> = (0..=whole).map(|k| k as f64 * self.sample_s).collect();
+        let n = (self.duration_s / self.sample_s * (1.0 + 1e-12)).floor() as usize;
+        let mut times: Vec<f64> = (0..=n).map(|k| k as f64 * self.sample_s).collect();
         // The end is a sample even if it is no multiple of the interval.
         match times.last_mut() {
             Some(last) if self.duration_s - *last > 1e-9 * self.sample_s => {

@@ -60,8 +60,8 @@ pub fn read(typed: &str, wanted: &str) -> Option<f64> {
         return Some(number);
     }
     let row = |name: &str| UNITS.iter().find(|(typed, ..)| *typed == name);
-    let ((_, base, factor), (_, same, whole)) = (row(&unit)?, row(wanted)?);
-    (base == same).then(|| nearest(number * factor / whole, 12))
+    let ((_, base, factor), (_, same, target)) = (row(&unit)?, row(wanted)?);
+    (base == same).then(|| nearest(number * factor / target, 12))
 }
 
 /// Returns the unit as the end of a key's name: `m`, `rad_s`.

@@ -103,7 +103,7 @@ pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
 }
 
-/// The law that a scene names, with the bending of its output pins and the seats of its ring pins.
+/// Law named by a scene, with the bending of its output pins and the seats of its ring pins.
 pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
     Some(PinLaw {
         law: law(scene)?,

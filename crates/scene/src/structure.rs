@@ -121,17 +121,17 @@ impl Scene {
         let input = structure
             .input_torsion_n_m_rad
             .map(|k| k * self.ratio().powi(2));
-        let seen = self.carrier_moment_per_output().powi(2);
-        let held = [flange, plate].map(|spring| spring.map(|k| k / seen));
+        let ratio = self.carrier_moment_per_output().powi(2);
+        let held = [flange, plate].map(|spring| spring.map(|k| k / ratio));
         let springs = held.into_iter().chain([input]).flatten();
         springs.map(|stiffness| torque_n_m / stiffness).sum()
     }
 
-    /// Parts that give way and temperatures, in words, each with how it is modelled.
+    /// Returns elastic parts and temperatures in words, each with its model.
     pub fn structure_in_words(&self) -> Vec<(String, String)> {
         let structure = &self.structure;
-        let mut found = Vec::new();
-        let mut add = |what: String, how: &str| found.push((what, how.to_owned()));
+        let mut rows = Vec::new();
+        let mut add = |what: String, how: &str| rows.push((what, how.to_owned()));
         if let Some(influence) = self.pin_influence_m_n() {
             let own = influence.iter().enumerate();
             let own: Vec<String> = own
@@ -174,7 +174,7 @@ impl Scene {
                 how,
             );
         }
-        found
+        rows
     }
 }
 
@@ -189,7 +189,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         return fault(&[DIAMETER], what, "give it too");
     }
     if let Some(diameter) = structure.output_pin_diameter_m {
-        let whole = 2.0 * gear.internal_sleeve_radius_m;
+        let pin_m = 2.0 * gear.internal_sleeve_radius_m;
         if scene.cranks.is_some() {
             let what = "is for output pins, and an RV gear has none";
             return fault(&[DIAMETER], what, "leave it out");
@@ -203,8 +203,8 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             let what = "bends output pins that have a stiffness already";
             return fault(&keys, what, "leave one of both out");
         }
-        if diameter > whole {
-            let what = format!("is more than the {} m of an output pin", short(whole));
+        if diameter > pin_m {
+            let what = format!("is more than the {} m of an output pin", short(pin_m));
             let keys = [DIAMETER, "gear.internal_sleeve_radius_m"];
             return fault(
                 &keys,

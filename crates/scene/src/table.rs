@@ -19,7 +19,7 @@ pub(crate) fn lookup<'t>(table: &'t Table, name: &str) -> Option<&'t Value> {
 pub(crate) fn number(table: &Table, name: &str) -> Option<f64> {
     match lookup(table, name)? {
         Value::Float(number) => Some(*number),
-        Value::Integer(whole) => Some(*whole as f64),
+        Value::Integer(n) => Some(*n as f64),
         _ => None,
     }
 }

@@ -81,7 +81,7 @@ impl Scene {
     }
 }
 
-/// Refuses temperatures of unknown materials, and those at which the gear is none; `outside` checks profile and ring.
+/// Rejects temperatures of unknown materials, and temperatures without a valid gear; `outside` checks profile and ring.
 pub(crate) fn check(scene: &Scene, outside: fn(&Gear) -> Result<(), Fault>) -> Result<(), Fault> {
     if scene.temperature.is_some() && scene.contact.material.is_none() {
         let what = "is missing, and warm discs expand by it".to_owned();

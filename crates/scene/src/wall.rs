@@ -7,7 +7,7 @@ use crate::model::Gear;
 use crate::profile::Profile;
 
 thread_local! {
-    /// Last gear measured, with its wall: parameters of a law are asked for several times in a row.
+    /// Last gear measured, with its wall: parameters of a law are requested several times in a row.
     static LAST: RefCell<Option<(Gear, f64)>> = const { RefCell::new(None) };
 }
 

@@ -140,7 +140,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Runs a published model, whose damping no sound scene may have. The inner error says how the run ended.
 fn run(scene: &Scene) -> Result<Result<NativeRun, Ending>, Box<dyn Error>> {
     let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone()))?;
-    Ok(native::run(&gearbox, &mut |_| false)?.whole())
+    Ok(native::run(&gearbox, &mut |_| false)?.finished())
 }
 
 fn switched(scene: &Scene, damping: f64, switch: Switch) -> Scene {

@@ -1,9 +1,8 @@
 //! Figures of a gear under other contact laws, and with a fit, by statics.
 //!
-//! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
-//! made under each of them, at the same few poses and without friction. The envelope of what comes out is the band of a figure: an interval, not a
-//! distribution, and never added to the numerical uncertainty. It is a spread of models; data that would validate one of them
-//! are not known.
+//! Several laws may be right for rollers of a pair of materials, and no published data validate one of them. The same balances are
+//! therefore solved under each law, at the same few poses and without friction. The envelope of the results is the band of a
+//! figure. The band is a spread of models: an interval, not a distribution, and never added to the numerical uncertainty.
 //!
 //! | materials | laws |
 //! |---|---|
@@ -53,12 +52,12 @@ static LEADING: [&FigureDef; 5] = [
 /// Tolerance for a figure inside its band, relative: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
-/// Figures with their bands; see the module.
+/// Figures with their bands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bands {
     /// Names and settings of the laws compared.
     pub laws: Vec<String>,
-    /// Why the scene asks for no laws ([`declined`]); its figures then have intervals by fit alone.
+    /// Reason why the scene requires no laws ([`declined`]); its figures then have intervals by fit only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub declined: Option<&'static str>,
     /// The scene's law.
@@ -146,7 +145,7 @@ impl Bands {
         figure.by_fit = scaled(own.by_fit);
     }
 
-    /// [`bound`](Self::bound) of every figure of statics.
+    /// Sets the bands of every figure of statics, see [`bound`](Self::bound).
     pub fn bound_all(&self, figures: &mut [Figure]) {
         for figure in figures {
             let def = figure.def.clone();
@@ -154,7 +153,7 @@ impl Bands {
         }
     }
 
-    /// [`bound`](Self::bound) of a load of runs over all channels of a quantity.
+    /// Sets the bands of a load of runs over all channels of a quantity, see [`bound`](Self::bound).
     pub fn bound_load(&self, figure: &mut Figure, quantity: &str) {
         match quantity {
             columns::EXTERNAL_FORCE => self.bound(figure, &EXTERNAL_FORCE),
@@ -186,7 +185,7 @@ fn is_steel(material: Material) -> bool {
     (1.9e11..=2.2e11).contains(&material.young) && (0.26..=0.32).contains(&material.poisson)
 }
 
-/// Returns the laws that may apply to a scene's rollers, or those that it names: a label, and the scene with each.
+/// Returns the laws that may apply to a scene's rollers, or the laws named by the scene: a label, and the scene with each.
 fn laws(scene: &Scene) -> Vec<(String, Scene)> {
     let with = |law: &str, change: &dyn Fn(&mut Scene)| {
         let mut scene = scene.clone();
@@ -204,21 +203,21 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
         },
         |named| named.iter().map(String::as_str).collect(),
     );
-    let mut found = Vec::new();
+    let mut scenes = Vec::new();
     for law in named {
         if law != ROLLERS {
-            found.push((law.to_owned(), with(law, &|_| ())));
+            scenes.push((law.to_owned(), with(law, &|_| ())));
             continue;
         }
         // The depth of a disc behind a contact is the law's own uncertainty.
-        found.extend(DEPTHS.iter().map(|share| {
+        scenes.extend(DEPTHS.iter().map(|share| {
             let depth = share * parameters.disc_depth;
             let label = format!("{ROLLERS}, disc {:.1} mm deep", 1e3 * depth);
             let set = |scene: &mut Scene| scene.contact.disc_depth_m = Some(depth);
             (label, with(ROLLERS, &set))
         }));
     }
-    found
+    scenes
 }
 
 fn figures_of(scene: &Scene, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
@@ -232,10 +231,10 @@ fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, St
     balanced(figures_of(scene, cancel))
 }
 
-/// Returns `None` for what cannot be balanced.
-pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
-    match found {
-        Ok(found) => Ok(Some(found)),
+/// Returns `None` for a gear without a balance.
+pub(crate) fn balanced<T>(solved: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
+    match solved {
+        Ok(solved) => Ok(Some(solved)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(_) => Ok(None),
     }
@@ -252,13 +251,13 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// True if a scene asks for no laws, and has no fits that statics could compare.
+/// True if a scene requires no laws and has no fits that statics can compare.
 fn is_alone(scene: &Scene) -> bool {
     declined(scene).is_some() && scene.uncertain.is_empty()
 }
 
-/// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]) and
-/// has no toleranced keys, or that cannot be balanced.
+/// Returns the bands of a gear's figures under its largest load. `None` for a gear without load, without a balance, or without
+/// toleranced keys and laws ([`declined`]).
 ///
 /// # Errors
 /// Cancelled.
@@ -270,7 +269,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     of_known(statics, control)
 }
 
-/// Like [`of`], with a solver that may know some balances.
+/// Computes the bands like [`of`], with a solver that may have stored balances.
 pub(crate) fn of_known(
     mut known: Statics<'_>,
     control: &Control<'_>,
@@ -294,11 +293,11 @@ pub(crate) fn of_known(
     for (done, (label, scene)) in laws.into_iter().enumerate() {
         control.check()?;
         report(done, &format!("under {label}"));
-        let Some(found) = figures(&scene, control.cancel)? else {
+        let Some(figures) = figures(&scene, control.cancel)? else {
             continue;
         };
         names.push(label);
-        widen(&mut own, &found, |figure| &mut figure.by_contact_law);
+        widen(&mut own, &figures, |figure| &mut figure.by_contact_law);
     }
     let mut fits = Vec::new();
     for &cut_m in cuts {
@@ -333,14 +332,14 @@ fn widen(own: &mut [Figure], other: &[Figure], band: fn(&mut Figure) -> &mut Opt
     }
 }
 
-/// Toleranced keys of a scene, each with its value and half of its interval.
+/// Returns the toleranced keys of a scene, each with its value and half of its interval.
 pub(crate) fn intervals(scene: &CheckedScene) -> Vec<(&String, f64, f64)> {
     let all = scene.uncertain.iter();
     all.filter_map(|(key, half)| Some((key, scene.number(key)?, half.plus_minus)))
         .collect()
 }
 
-/// Balances over the toleranced keys of a gear, and the band by fit of its figures `own`.
+/// Solves balances over the toleranced keys of a gear, and extends the band by fit of its figures `own`.
 fn over_fits(
     gearbox: &Gearbox,
     own: &mut [Figure],
@@ -366,12 +365,12 @@ fn over_fits(
         let gear = moved.iter().try_fold(scene.clone(), |gear, (key, value)| {
             gear.with_number(key, *value)
         });
-        let found = gear.map_err(|fault| StudyError::Input(fault.to_string()));
-        match found.and_then(|gear| figures_of(&gear, control.cancel)) {
-            Ok(found) => {
+        let solved = gear.map_err(|fault| StudyError::Input(fault.to_string()));
+        match solved.and_then(|gear| figures_of(&gear, control.cancel)) {
+            Ok(solved) => {
                 fits.gears += 1;
-                widen(own, &found, |figure| &mut figure.by_fit);
-                Ok(found)
+                widen(own, &solved, |figure| &mut figure.by_fit);
+                Ok(solved)
             }
             Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
             Err(why) => {

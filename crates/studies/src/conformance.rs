@@ -1,8 +1,8 @@
-//! Checks a solver from outside: everything that comparisons rely on, one trial after the other.
+//! Conformance check of an external solver: trials of everything that comparisons rely on.
 //!
-//! Each [`Finding`] is a small run or two of the preset `paper`, or of a scene that the solver honours instead. A solver that
-//! shares the law is held against the native one on every law and kind of contact it honours, column by column; a solver
-//! with contacts of its own is asked for signs and sizes.
+//! A trial takes one or two short runs of the preset `paper`, or of a scene that the solver supports. A solver that uses the
+//! scene's contact law is compared with the native solver column by column, on every law and kind of contact it supports. A
+//! solver with its own contacts is checked for signs and magnitudes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,13 +53,13 @@ pub struct Outcome {
     pub solver: String,
     /// Version of the solver.
     pub version: String,
-    /// Track of the solver.
+    /// Part of the model that the solver shares with the native one.
     pub track: SharedModel,
     /// Verdict in one line: agrees, or differs and where.
     pub answer: String,
     /// Outcomes of the trials, in their order.
     pub findings: Vec<Finding>,
-    /// Stages at the first failure that shows them.
+    /// Stages judged at the first failure that allows it.
     pub stages: Option<Located>,
 }
 
@@ -78,8 +78,8 @@ impl Outcome {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        Summary::new(made, self).write(dir)
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
+        Summary::new(origin, self).write(dir)
     }
 
     /// Returns the findings as a suite for CI systems.
@@ -95,13 +95,13 @@ impl Outcome {
 }
 
 /// Observation of a trial that passed.
-type Seen = Result<String, Miss>;
+type Observation = Result<String, Miss>;
 
 /// End of a trial that did not pass.
 enum Miss {
     /// Trial that failed or was skipped, with the observation.
     Ended(State, String),
-    /// The check cannot go on.
+    /// Error that ends the check.
     Study(StudyError),
 }
 
@@ -111,38 +111,38 @@ impl<E: Into<StudyError>> From<E> for Miss {
     }
 }
 
-fn failed<T>(seen: impl ToString) -> Result<T, Miss> {
-    Err(Miss::Ended(State::Failed, seen.to_string()))
+fn failed<T>(message: impl ToString) -> Result<T, Miss> {
+    Err(Miss::Ended(State::Failed, message.to_string()))
 }
 
-fn skipped<T>(seen: impl ToString) -> Result<T, Miss> {
-    Err(Miss::Ended(State::Skipped, seen.to_string()))
+fn skipped<T>(message: impl ToString) -> Result<T, Miss> {
+    Err(Miss::Ended(State::Skipped, message.to_string()))
 }
 
 /// Largest relative difference from the native run in the first sample of a solver that shares the law: rounding.
 const FIRST: f64 = 1e-8;
-/// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
-/// must be seen.
+/// Share of the stated order that a solver with a tolerance must show. A tolerance bounds the error of one step only, and step
+/// sizes change abruptly.
 const TOLERANCE_SHARE: f64 = 0.3;
 /// Bound of the native run's own error.
 const NATIVE: f64 = 1e-6;
-/// Length of a run that is held against numbers, radians of the contacts' vibration: two and a half of its periods.
+/// Length of a run that is compared with the native solver, radians of the contacts' vibration: two and a half periods.
 const SHORT_RAD: f64 = 16.0;
-/// Step of such a run, in the same radians: Heun's error is then a thousandth.
+/// Step of that run, radians of the contacts' vibration. The error of Heun's method is then a thousandth.
 const STEP_RAD: f64 = 0.02;
-/// Largest relative L2 distance of a quantity of a short run that is right. Heun's method comes within 8e-5; of the faults
-/// tried the smallest (damping without its ramp) makes 2e-3.
+/// Largest relative L2 distance of a quantity in a correct short run. Heun's method reaches 8e-5; the smallest fault tried,
+/// damping without its ramp, gives 2e-3.
 const RIGHT: f64 = 5e-4;
-/// Same bound for a solver without `[refine]`, whose own error is unknown.
+/// Value of [`RIGHT`] for a solver without `[refine]`, whose own error is unknown.
 const UNREFINED: f64 = 2e-2;
-/// Largest number of runs, each at a quarter of the step, of a solver whose own error may be why it is not [`RIGHT`].
+/// Largest number of runs, each at a quarter of the step, of a solver whose own error may explain that it misses [`RIGHT`].
 const LEVELS: i32 = 4;
-/// Longest time that a solver may need to end after a request.
+/// Longest time that a solver may need to stop after a request, s.
 const ENDS_S: f64 = 3.0;
-/// Time after which a solver is ended that is tried on a run without end.
+/// Time limit of the endless run that tests stopping.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Trial as `trials.toml` has it.
+/// Trial as read from `trials.toml`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trial {
@@ -154,7 +154,7 @@ pub struct Trial {
     pub what: String,
     /// True if a refusal of a scene is no failure.
     may_refuse: bool,
-    /// Scenes that are held against the native run.
+    /// Scenes that are compared with the native run.
     pub scenes: Vec<Held>,
 }
 
@@ -162,21 +162,21 @@ pub struct Trial {
 #[derive(Debug, Clone, Deserialize)]
 pub struct Held {
     name: String,
-    /// Preset; `paper` if it names none.
+    /// Preset; `paper` by default.
     #[serde(default)]
     preset: Option<String>,
-    /// Keys that it changes.
+    /// Keys changed in the preset.
     pub set: Vec<String>,
 }
 
-/// All trials, embedded; a test reads them.
+/// All trials, from the embedded `trials.toml`.
 pub static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     let table: BTreeMap<String, Vec<Trial>> =
         toml::from_str(include_str!("trials.toml")).unwrap_or_default();
     table.into_values().flatten().collect()
 });
 
-/// States and contact forces of all bodies of a case: case, body, x, y, angle, vx, vy, rate, force x and y, moment.
+/// States and contact forces of one body of a case: case, body, [x, y, angle, vx, vy, rate], force x, force y, moment.
 type Vector = (String, usize, [f64; 6], f64, f64, f64);
 
 /// Cases and bodies of the law vectors.
@@ -196,18 +196,18 @@ fn rows<T: DeserializeOwned>(text: &str) -> Vec<T> {
     reader.deserialize().filter_map(Result::ok).collect()
 }
 
-/// Solver, control and keys with which trials are made.
+/// Inputs of all trials of a solver.
 struct Trials<'a> {
     solver: &'a Solver,
-    /// Without progress.
+    /// Control without progress reports.
     control: Control<'a>,
-    /// Keys of every scene.
+    /// Keys set in every scene.
     set: [String; 2],
-    /// Stages of the first failure that shows them.
+    /// Stages judged at the first failure that allows it.
     stages: OnceLock<Located>,
 }
 
-/// Tries a solver.
+/// Runs all trials of a solver.
 ///
 /// # Errors
 /// Stopped; a scene of the suite that cannot be modelled.
@@ -227,20 +227,20 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     for (done, trial) in TRIALS.iter().enumerate() {
         control.check()?;
         (control.progress)(Progress::new(done, TRIALS.len(), &trial.name));
-        let seen = match findings.first() {
+        let outcome = match findings.first() {
             Some(first) if first.state == State::Failed => skipped("it does not run"),
             _ => trials.make(trial),
         };
-        let (state, seen) = match seen {
-            Ok(seen) => (State::Passed, seen),
-            Err(Miss::Ended(state, seen)) => (state, seen),
+        let (state, outcome) = match outcome {
+            Ok(outcome) => (State::Passed, outcome),
+            Err(Miss::Ended(state, outcome)) => (state, outcome),
             Err(Miss::Study(error)) => return Err(error),
         };
         findings.push(Finding {
             name: &trial.name,
             must: &trial.must,
             state,
-            seen,
+            seen: outcome,
         });
     }
     let track = solver.track();
@@ -254,7 +254,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     })
 }
 
-/// Returns the verdict of the findings in one line.
+/// Returns the verdict in one line.
 fn answer(findings: &[Finding], track: SharedModel) -> String {
     let with = |state: State| findings.iter().filter(move |f| f.state == state);
     if let Some(first) = with(State::Failed).next() {
@@ -272,14 +272,14 @@ fn answer(findings: &[Finding], track: SharedModel) -> String {
     }
 }
 
-/// Laws that a solver honours.
+/// Returns the laws that a solver supports.
 fn honoured(solver: &Solver) -> impl Iterator<Item = &'static str> {
     let laws = laws::LAWS.iter().map(|law| law.name);
     laws.filter(|law| solver.manifest().honours_law(law))
 }
 
 impl Trials<'_> {
-    fn make(&self, trial: &Trial) -> Seen {
+    fn make(&self, trial: &Trial) -> Observation {
         let scene = self.scene("paper", &trial.set)?;
         match trial.name.as_str() {
             "runs" => self.runs(&scene),
@@ -319,7 +319,7 @@ impl Trials<'_> {
         }
     }
 
-    /// Returns a preset with these keys.
+    /// Returns a preset with changed keys.
     fn scene(&self, preset: &str, set: &[String]) -> Result<CheckedScene, Miss> {
         let keys = self.set.iter().chain(set).map(|key| key.parse());
         let keys: Result<Vec<Override>, _> = keys.collect();
@@ -330,9 +330,9 @@ impl Trials<'_> {
         self.solver.track() == SharedModel::SharedLaw
     }
 
-    /// Runs the solver or the native one; a run that does not finish is a miss of that `state`.
+    /// Runs an engine on a scene. A run that does not finish ends the trial with `state`.
     fn run(&self, engine: &dyn Engine, scene: &CheckedScene, state: State) -> Result<Run, Miss> {
-        let ran = engine.run(scene, &self.control)?.whole();
+        let ran = engine.run(scene, &self.control)?.finished();
         ran.map_err(|ending| Miss::Ended(state, format!("{} {ending}", engine.name())))
     }
 
@@ -344,14 +344,14 @@ impl Trials<'_> {
         Ok(self.run(&engine, scene, State::Skipped)?.time_series)
     }
 
-    /// Runs the solver with another setting of the key of `[refine]`.
+    /// Runs the solver with another value of its accuracy setting (`[refine]`).
     fn at(&self, scene: &Scene, knob: AccuracySetting, setting: f64) -> Result<TimeSeries, Miss> {
         let mut scene = scene.clone();
         knob.set(&mut scene, setting);
         Ok(self.own(&scene.check().or_else(failed)?)?.time_series)
     }
 
-    /// Returns the key of `[refine]`, the factor between two of its settings, which is `by` for steps, and the error's order in it.
+    /// Returns the accuracy setting, the factor between two of its values (`by` for steps), and the order of the error in it.
     fn refinement(&self, by: f64, rough: Rough) -> Option<(AccuracySetting, f64, Method)> {
         let refinement = self.solver.info().refinement?;
         let (order, rough) = (refinement.order, Some(rough));
@@ -362,8 +362,8 @@ impl Trials<'_> {
         Some((refinement.knob, ratio, method))
     }
 
-    /// Holds the solver against the native one on a short scene, as long as its vibration asks for; the relative L2 of the
-    /// quantity that is farthest off. What the solver's own step explains is made smaller until it is [`RIGHT`].
+    /// Compares the solver with the native one on a short scene and returns the relative L2 distance of the worst quantity. The
+    /// solver's setting is refined while its own error may explain that it misses [`RIGHT`].
     fn held(&self, scene: &CheckedScene) -> Result<f64, Miss> {
         let scene = scene.changed(|scene| {
             let rad_s = Frequencies::of(scene).contact_rad_s;
@@ -400,7 +400,7 @@ impl Trials<'_> {
         right(off, RIGHT, &fine, &truth).or_else(|miss| self.located(&scene, miss))
     }
 
-    /// Holds the first row of a run from a state of the law vectors against their forces.
+    /// Compares the first row of a run from a state of the law vectors with their forces.
     fn vector(&self, case: &str, scene: &CheckedScene) -> Result<f64, Miss> {
         let short = scene.changed(|scene| {
             let solver = &mut scene.solver;
@@ -417,7 +417,7 @@ impl Trials<'_> {
             format!("{job:#}")
         };
         let run = self.solver.run_job(&gearbox, job, &self.control)?;
-        let row = run.whole().or_else(failed)?.time_series.select(&[0]);
+        let row = run.finished().or_else(failed)?.time_series.select(&[0]);
         let mut truth = TimeSeries::new(vec![0.0]).unwrap_or_default();
         let names = columns::of_gearbox(
             gearbox.layout.external_sleeves,
@@ -430,26 +430,26 @@ impl Trials<'_> {
         right(apart(&row, &truth), FIRST, &row, &truth).or_else(|miss| self.located(scene, miss))
     }
 
-    /// Adds to the first failure the stage that is off.
+    /// Adds the first stage that differs to the first failure.
     fn located<T>(&self, scene: &CheckedScene, miss: Miss) -> Result<T, Miss> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
             && self.stages.get().is_none()
-            && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
+            && let Some(stage) = of_engine(self.solver, &compile(scene)?, 0.0, None, &self.control)?
         {
-            let found = self.stages.get_or_init(|| found);
-            return failed(format!("{why}; {}", found.sentence()));
+            let stage = self.stages.get_or_init(|| stage);
+            return failed(format!("{why}; {}", stage.sentence()));
         }
         Err(miss)
     }
 
-    /// Holds the solver by `hold` on several scenes. One that its manifest rules out is not held.
+    /// Applies `hold` to several scenes. Scenes that the solver's manifest excludes are skipped.
     fn all_held(
         &self,
         trial: &Trial,
         scenes: &[Held],
         hold: &dyn Fn(&str, &CheckedScene) -> Result<f64, Miss>,
-    ) -> Seen {
+    ) -> Observation {
         let (least, truth) = match trial.name.as_str() {
             "law vectors" => (FIRST, "the vectors"),
             _ => (NATIVE, "native-resolved"),
@@ -477,28 +477,28 @@ impl Trials<'_> {
         }
         let what = &trial.what;
         let held = scenes.len() - off.len() - not.len();
-        let mut seen = format!("{held} of {} {what}", scenes.len());
+        let mut message = format!("{held} of {} {what}", scenes.len());
         if self.shares_the_law() {
-            seen.push_str(&format!(" to {worst:.0e} with {truth}"));
+            message.push_str(&format!(" to {worst:.0e} with {truth}"));
         }
         if !not.is_empty() {
-            seen.push_str(&format!("; not held: {}", not.join("; ")));
+            message.push_str(&format!("; not held: {}", not.join("; ")));
         }
         match off.as_slice() {
             [] if held == 0 => skipped(not.join("; ")),
-            [] => Ok(seen),
+            [] => Ok(message),
             [only] => failed(only),
             [first, more @ ..] => failed(format!("{first} ({} more of {what})", more.len())),
         }
     }
 
-    fn runs(&self, scene: &CheckedScene) -> Seen {
+    fn runs(&self, scene: &CheckedScene) -> Observation {
         let run = self.own(scene)?;
         let rows = run.time_series.len();
         Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
     }
 
-    fn repeats(&self, scene: &CheckedScene) -> Seen {
+    fn repeats(&self, scene: &CheckedScene) -> Observation {
         let (run, again) = (self.own(scene)?, self.own(scene)?);
         if run.time_series != again.time_series {
             return failed(format!(
@@ -516,17 +516,17 @@ impl Trials<'_> {
                 "{steps} steps over {duration_s} s are longer than solver.step_s = {step_s} s"
             ));
         }
-        let seen = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
+        let message = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
         if self.shares_the_law() && calls < steps.max(1) {
             return failed(format!(
-                "{seen}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
+                "{message}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
             ));
         }
-        Ok(seen)
+        Ok(message)
     }
 
     /// Checks the start at rest under load by the balances of power and torque.
-    fn start(&self, scene: &CheckedScene) -> Seen {
+    fn start(&self, scene: &CheckedScene) -> Observation {
         let time_series = self.own(scene)?.time_series;
         let native = self.native(Native::REDUCED, scene)?;
         let first = |run: &TimeSeries| run.channel(columns::OUTPUT_ANGLE).map(|angle| angle[0]);
@@ -563,7 +563,7 @@ impl Trials<'_> {
         ))
     }
 
-    fn accuracy(&self, scene: &CheckedScene) -> Seen {
+    fn accuracy(&self, scene: &CheckedScene) -> Observation {
         let (Some((knob, ratio, method)), Some(stated)) = (
             self.refinement(2.0, Rough::Kinks),
             self.solver.info().refinement,
@@ -587,13 +587,13 @@ impl Trials<'_> {
                 "three settings give the same bits: it does not read the key of [refine]",
             );
         }
-        let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
+        let observed = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
         let order = format!(
-            "order {seen:.2} of {}, differences {:.1e} and {:.1e}",
+            "order {observed:.2} of {}, differences {:.1e} and {:.1e}",
             stated.order, coarse.difference, fine.difference
         );
-        // At rounding there is no order left to see.
-        let falls = fine.difference < 1e-10 || seen >= least;
+        // At rounding level no order can be measured.
+        let falls = fine.difference < 1e-10 || observed >= least;
         if !self.shares_the_law() {
             return if falls { Ok(order) } else { failed(order) };
         }
@@ -606,7 +606,7 @@ impl Trials<'_> {
         Ok(format!("to {own:.1e} with native-resolved; {order}"))
     }
 
-    fn bad_ends(&self, scene: &CheckedScene) -> Seen {
+    fn bad_ends(&self, scene: &CheckedScene) -> Observation {
         let gearbox = compile(scene)?;
         let job = |_| "{\"protocol\": 1, \"sce".to_owned();
         let broken = self.solver.run_job(&gearbox, job, &self.control)?;
@@ -627,8 +627,8 @@ impl Trials<'_> {
         }
     }
 
-    /// Stops a run without end by hand and by a limit.
-    fn stop(&self, scene: &CheckedScene) -> Seen {
+    /// Stops an endless run by a request and by a time limit.
+    fn stop(&self, scene: &CheckedScene) -> Observation {
         let gearbox = compile(scene)?;
         let (by_hand, begun) = (AtomicBool::new(false), Instant::now());
         let wait = |_: Progress<'_>| {
@@ -637,7 +637,7 @@ impl Trials<'_> {
         };
         let stopped = Control::new(&by_hand, &wait);
         let hasty = self.solver.clone().within(PATIENCE);
-        let mut seen = Vec::new();
+        let mut ends = Vec::new();
         for (by, solver, control) in [
             ("Ctrl-C", self.solver, &stopped),
             ("timeout", &hasty, &self.control),
@@ -654,16 +654,16 @@ impl Trials<'_> {
             if late_s > ENDS_S {
                 return failed(format!("{by}: ended within {late_s:.1} s"));
             }
-            seen.push(format!("{by}: ended within {late_s:.1} s"));
+            ends.push(format!("{by}: ended within {late_s:.1} s"));
         }
-        Ok(seen.join("; "))
+        Ok(ends.join("; "))
     }
 }
 
 /// First words of the refusal of a scene ([`Ending::Unsupported`]).
 const CANNOT: &str = "cannot run this scene";
 
-/// Passes a run that is no more than `most` off, and names its largest difference otherwise.
+/// Accepts a run that is at most `most` off; otherwise returns its largest difference as the failure.
 fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f64, Miss> {
     if off <= most {
         Ok(off)
@@ -672,43 +672,44 @@ fn right(off: f64, most: f64, run: &TimeSeries, truth: &TimeSeries) -> Result<f6
     }
 }
 
-/// Returns the relative L2 distance of each quantity of `a` from `b`, all its columns together, the largest first, without the
-/// output's angle, which grows.
+/// Returns the relative L2 distance of each quantity of `a` from `b` over all its columns, largest first. The output angle is
+/// left out because it grows.
 fn distances(a: &TimeSeries, b: &TimeSeries) -> Vec<(f64, Quantity)> {
-    let mut found = Vec::new();
+    let mut errors = Vec::new();
     for quantity in derive([a, b]) {
         let names = &quantity.channels;
         let views = [a, b].map(|run| View::of(run, names, 0..a.len().min(b.len())));
         if let [Some(own), Some(other)] = views
             && *names != [columns::OUTPUT_ANGLE]
         {
-            found.push((relative_l2(&own, &other, 0.0), quantity));
+            errors.push((relative_l2(&own, &other, 0.0), quantity));
         }
     }
-    // What is not a number is farther off than any.
-    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    found
+    // NaN counts as the largest error.
+    errors.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    errors
 }
 
-/// Returns the distance of the quantity that is farthest off.
+/// Returns the distance of the worst quantity.
 fn apart(a: &TimeSeries, b: &TimeSeries) -> f64 {
     distances(a, b).first().map_or(f64::NAN, |(off, _)| *off)
 }
 
-/// Column and time of the largest difference, in words: of the quantity that is farthest off, and of the pins' where that is another.
+/// Returns column and time of the largest difference in words, for the worst quantity, and for the pin forces if these are not
+/// the worst.
 fn place(a: &TimeSeries, b: &TimeSeries) -> String {
-    let found = distances(a, b);
-    let of_pins = found.iter().position(|(_, quantity)| quantity.is_force());
+    let errors = distances(a, b);
+    let of_pins = errors.iter().position(|(_, quantity)| quantity.is_force());
     let places = [Some(0), of_pins.filter(|&place| place > 0)];
     let places = places
         .into_iter()
         .flatten()
-        .filter_map(|place| found.get(place));
+        .filter_map(|place| errors.get(place));
     let places: Vec<String> = places.map(|(_, of)| farthest(&of.channels, a, b)).collect();
     places.join(", ")
 }
 
-/// Returns the largest difference of these columns of `a` from those of `b`, in words.
+/// Returns the largest difference between these columns of `a` and `b`, in words.
 fn farthest(names: &[String], a: &TimeSeries, b: &TimeSeries) -> String {
     let (mut peak, mut far, mut at) = (f64::MIN_POSITIVE, 0.0, (names[0].as_str(), 0.0));
     for name in names {
@@ -724,10 +725,10 @@ fn farthest(names: &[String], a: &TimeSeries, b: &TimeSeries) -> String {
     off_at(at.0, far / peak, at.1)
 }
 
-/// `external_sleeve_force_n_3 is 12 % off at t = 0.0031 s`: a share of the quantity's peak.
+/// Returns words such as `external_sleeve_force_n_3 is 12 % off at t = 0.0031 s`. The share is relative to the quantity's peak.
 fn off_at(column: &str, share: f64, time_s: f64) -> String {
     let percent = 100.0 * share;
-    // Two digits, whole where there are more.
+    // Two significant digits; no decimals from 10 % up.
     let decimals = (1.0 - percent.log10().floor()).clamp(0.0, 12.0) as usize;
     let time = match time_s {
         0.0 => "0".to_owned(),

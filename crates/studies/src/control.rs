@@ -133,8 +133,8 @@ pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
 
 /// Runs a scene that must finish.
 pub(crate) fn complete(scene: &Scene, control: &Control<'_>) -> Result<NativeRun, StudyError> {
-    let whole = run(scene, control)?.whole();
-    whole.map_err(|ending| StudyError::reference(scene, ending))
+    let finished = run(scene, control)?.finished();
+    finished.map_err(|ending| StudyError::reference(scene, ending))
 }
 
 /// Compiles a scene changed by a study, after checks.

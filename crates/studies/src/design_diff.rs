@@ -79,13 +79,13 @@ pub struct DesignDiff {
     /// Means and peaks of the time series, by window.
     #[serde(skip)]
     pub time_series: Vec<(WindowKind, Vec<Diff>)>,
-    /// Time series of both with their uncertainties.
+    /// Time series of both designs with their uncertainties.
     #[serde(skip)]
     pub comparison: Comparison,
     /// Runs of both designs.
     #[serde(skip)]
     pub participants: Vec<Participant>,
-    /// Both in motion over their common time, for a page.
+    /// Motions of both designs over their common time, for a page.
     #[serde(skip)]
     pub motion: Vec<Motion>,
 }
@@ -112,7 +112,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
         single::prepare(input.engine, gearbox)?;
     }
     let grid = on_one_grid(input.gearboxes)?;
-    // The time left of a run says nothing of the whole.
+    // The remaining time of one run does not indicate that of the study.
     let tell = |at: Progress<'_>| {
         (control.progress)(Progress { left_s: None, ..at });
     };
@@ -176,7 +176,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     })
 }
 
-/// Returns the names of both: of their scenes, or as typed, or first and second.
+/// Returns the names of both designs: of their scenes, or as typed, or first and second.
 fn names(scenes: [&CheckedScene; 2], specs: [&str; 2]) -> [String; 2] {
     let names = scenes.map(|scene| scene.name.clone());
     if names[0] != names[1] {
@@ -209,7 +209,7 @@ fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
     Ok([a?, b?])
 }
 
-/// Returns the facts common to both.
+/// Returns the facts common to both scenes.
 fn shared(scenes: [&CheckedScene; 2]) -> Context {
     let [a, b] = scenes.map(|scene| context(scene));
     let same = |a: Option<f64>, b: Option<f64>| a.filter(|_| a == b);
@@ -385,15 +385,15 @@ impl DesignDiff {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         let folders = ["design-1", "design-2"].into_iter().zip(&self.participants);
         for (design, (folder, participant)) in self.designs.iter().zip(folders) {
             let place = output::folder(dir, folder)?;
-            design.write(&place, made)?;
+            design.write(&place, origin)?;
             single::save(&participant.time_series, &place.join("courses.csv"))?;
         }
         let time_series = self.time_series.iter();
-        let found = DiffSummary {
+        let summary = DiffSummary {
             identical: self.identical(),
             found: self,
             time_series: time_series
@@ -401,6 +401,6 @@ impl DesignDiff {
                 .collect(),
             scenes: [&self.designs[0].scene, &self.designs[1].scene],
         };
-        Summary::new(made, found).write(dir)
+        Summary::new(origin, summary).write(dir)
     }
 }

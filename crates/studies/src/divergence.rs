@@ -75,7 +75,7 @@ pub fn horizon(
     let visible = share.iter().position(|&s| !(s <= VISIBLE));
     let horizon_s = visible.map(|k| both[0].time_s()[k]);
     let duration_s = scene.solver.duration_s;
-    let told = match horizon_s {
+    let text = match horizon_s {
         Some(t) => format!(
             "A change in the last digit becomes visible after {t:.4} s: later, time series are compared by their statistics only."
         ),
@@ -90,7 +90,7 @@ pub fn horizon(
     Ok(Divergence {
         horizon_s,
         largest_share,
-        told,
+        told: text,
     })
 }
 

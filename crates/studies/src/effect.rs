@@ -25,7 +25,7 @@ pub struct Settings<'a> {
     pub spec: &'a str,
     /// Settings as typed.
     pub sets: &'a [Override],
-    /// Scene with all of them, compiled.
+    /// Scene with all settings, compiled.
     pub gearbox: &'a Gearbox,
 }
 
@@ -126,14 +126,14 @@ impl Settings<'_> {
         Ok(idle)
     }
 
-    /// Returns the indices of settings without which the design `found` is equal to the bit, and its other results are
-    /// `equal`; empty if `found` took more than some seconds.
+    /// Returns the indices of settings without which the design `design` is equal to the bit, and its other results are
+    /// `equal`; empty if `design` took more than some seconds.
     ///
     /// # Errors
     /// Cancelled.
     pub fn idle_in_design(
         self,
-        found: &DesignResult,
+        design: &DesignResult,
         took: Duration,
         control: &Control<'_>,
         mut equal: impl FnMut(&DesignResult) -> bool,
@@ -141,7 +141,7 @@ impl Settings<'_> {
         if took > LONGEST_DESIGN {
             return Ok(Vec::new());
         }
-        self.without_effect(|without| match found.repeated(without, control) {
+        self.without_effect(|without| match design.repeated(without, control) {
             Ok(Some(other)) => Ok(equal(&other)),
             Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
             // No design, or another one, without this setting.

@@ -74,7 +74,7 @@ const FACE_WIDTH: &str = "gear.face_width_m";
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
 /// Stiffness of the eccentric bearing. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
-/// Table of that bearing, and its keys that a stated stiffness replaces.
+/// Table of that bearing, and the keys that a stated stiffness replaces.
 const BEARING: &str = "bearings.eccentric";
 const ROLLERS: [&str; 2] = [
     "bearings.eccentric.rollers",
@@ -89,7 +89,7 @@ const STIFFNESSES: [f64; 2] = [1e7, 1e10];
 const LAW: &str = "contact.law";
 /// Target error of the forces for the planned method, and factor on its step. Measured on five gears, with and without
 /// play: forces are off by up to 4e-4 of the largest, the driver's torque by 4e-3 on bearings and 4e-4 without.
-const SEEN: f64 = 0.1;
+const ERROR: f64 = 0.1;
 const STRIDE: f64 = 2.0;
 /// Number of samples of a state.
 const SAMPLES: f64 = 120.0;
@@ -118,13 +118,13 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
         } if !values.is_empty() => in_words(&key, &what, &remedy),
         error => error.to_string(),
     })?;
-    let given = |key: &str| values.iter().find(|(of, _)| of == key);
-    if given(STIFFNESS).is_none() && given(CLEARANCE).is_none() {
+    let value = |key: &str| values.iter().find(|(of, _)| of == key);
+    if value(STIFFNESS).is_none() && value(CLEARANCE).is_none() {
         return Ok(scene);
     }
     let mut changed = Scene::clone(&scene);
     let bearing = &mut changed.bearings.eccentric;
-    match given(STIFFNESS).map(|(_, value)| value.as_str()) {
+    match value(STIFFNESS).map(|(_, value)| value.as_str()) {
         None => {}
         Some(RIGID) => *bearing = None,
         Some(value) => {
@@ -136,7 +136,7 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
             bearing.stiffness_n_m = Some(value.parse().unwrap_or(f64::NAN));
         }
     }
-    if let Some((_, value)) = given(CLEARANCE) {
+    if let Some((_, value)) = value(CLEARANCE) {
         let clearance = value.parse().unwrap_or(f64::NAN);
         bearing.get_or_insert_default().clearance_m = Some(clearance);
     }
@@ -201,8 +201,8 @@ fn in_words(key: &str, what: &str, remedy: &str) -> String {
     first.to_uppercase() + rest
 }
 
-/// Returns name and scene file of a state, for the working folder. It is the user's file with the keys of `sets` and the
-/// moved ones changed, or one with a preset (or a file of JSON) as its base. Reading it gives the displayed scene.
+/// Returns name and scene file of a state, for the working folder. The file is the user's with the keys of `sets` and the moved
+/// keys changed, or one with a preset (or a file of JSON) as its base. Reading it gives the displayed scene.
 ///
 /// # Errors
 /// A state without a valid scene or file.
@@ -271,9 +271,9 @@ pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox
     quick(&scene(spec, sets, values)?)
 }
 
-/// Returns the gear of a scene for quick runs. The depth of its discs is stated, because otherwise every evaluation
-/// computes the wall. Errors of its method are invisible in a chart; steps are long, because a start in balance excites
-/// little vibration.
+/// Returns the gear of a scene for quick runs. The depth of its discs is stated, because otherwise every evaluation computes
+/// the wall. Errors of its method are invisible in a chart. Steps are long, because a start in balance excites little
+/// vibration.
 ///
 /// # Errors
 /// The reason for an invalid scene, with the keys.
@@ -281,7 +281,7 @@ pub fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
     let mut stated = Scene::clone(scene);
     scales::state_depth(&mut stated);
     stated.solver.formulation = Formulation::Reduced;
-    let plan = auto::plan(&stated, SEEN);
+    let plan = auto::plan(&stated, ERROR);
     plan.integrator.clone_into(&mut stated.solver.integrator);
     stated.solver.tolerance = plan.tolerance;
     stated.solver.step_s = (STRIDE * plan.step_s).min(stated.solver.duration_s);
@@ -302,7 +302,7 @@ pub fn motion(
     Motion::over(gearbox, "", span, step, control)
 }
 
-/// Figures of a state's balances. With `laws` they have their bands, and there are limits, which take longer.
+/// Returns the figures of a state's balances; with `laws` also their bands and limits, which take longer.
 ///
 /// # Errors
 /// A gear without load or balance; `cancel` was set.
@@ -380,7 +380,7 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
         "gear.internal_sleeves" => scene.cranks.is_none(),
         key => !key.starts_with("cranks.") || scene.cranks.is_some(),
     };
-    let found = SLIDERS.iter().filter(there).map(|one| {
+    let list = SLIDERS.iter().filter(there).map(|one| {
         let path = format!("/{}", one.key.replace('.', "/"));
         let (unit, factor) = one.unit;
         let line_m = (one.key == FACE_WIDTH).then_some(scene.contact.line_length_m);
@@ -400,7 +400,7 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
             "whole": is_whole,
         })
     });
-    let mut found: Vec<Value> = found.collect();
+    let mut list: Vec<Value> = list.collect();
     let bearing = BearingLaw::of(scene);
     let (unit, factor) = match bearing.map_or(1.0, |law| law.exponent) {
         1.0 => (N_UM.0.to_owned(), N_UM.1),
@@ -412,11 +412,11 @@ pub fn sliders(scene: &Scene) -> Vec<Value> {
         [from.min(own.log10()), to.max(own.log10() + 1.0)]
     });
     let value = value.map_or_else(|| json!(RIGID), |own| json!(own));
-    // Before the clearance.
-    let place = found.iter().position(|one| one["key"] == CLEARANCE);
-    found.insert(place.unwrap_or_default(), json!({
+    // The stiffness comes before the clearance.
+    let place = list.iter().position(|one| one["key"] == CLEARANCE);
+    list.insert(place.unwrap_or_default(), json!({
         "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": factor, "value": value, "from": from,
         "to": to, "decades": true,
     }));
-    found
+    list
 }

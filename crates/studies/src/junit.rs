@@ -108,16 +108,16 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
 }
 
 /// Returns state and text of a verdict. Verdicts that need action are failures.
-fn ended(found: &Assessment) -> (State, String) {
-    let word = found.verdict.word();
+fn ended(case: &Assessment) -> (State, String) {
+    let word = case.verdict.word();
     let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |v| format!("{v:.2e}"));
-    let reason = format!("{word}: {}", found.reason);
-    match (found.verdict, found.actionable) {
-        (Verdict::Inconclusive, true) => (State::Failed, format!("{reason}; {}", found.remedy)),
+    let reason = format!("{word}: {}", case.reason);
+    match (case.verdict, case.actionable) {
+        (Verdict::Inconclusive, true) => (State::Failed, format!("{reason}; {}", case.remedy)),
         (Verdict::Inconclusive | Verdict::NotCompared, _) => (State::Skipped, reason),
         (Verdict::Differ, true) => {
-            let (difference, bound) = (number(found.difference), number(found.bound));
-            let against = found.against.word();
+            let (difference, bound) = (number(case.difference), number(case.bound));
+            let against = case.against.word();
             let why = format!("{word}: {difference} against a {against} of {bound}");
             (State::Failed, why)
         }
@@ -128,16 +128,16 @@ fn ended(found: &Assessment) -> (State, String) {
 /// Returns every scene and solver of a baseline as cases.
 pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
     let holds = |verdict| !matches!(verdict, baseline::Verdict::Worse | baseline::Verdict::New);
-    let cases = check.cases.iter().map(|found| {
-        let nothing = match found.verdict {
+    let cases = check.cases.iter().map(|checked| {
+        let nothing = match checked.verdict {
             baseline::Verdict::New => "nothing shown: ",
             _ => "",
         };
-        let why = found.trouble.clone().unwrap_or_else(|| worse(found));
-        let name = format!("{}, {}", found.scene, found.choice);
+        let why = checked.trouble.clone().unwrap_or_else(|| worse(checked));
+        let name = format!("{}, {}", checked.scene, checked.choice);
         case(
             name,
-            passed(holds(found.verdict)),
+            passed(holds(checked.verdict)),
             &format!("{nothing}{why}"),
         )
     });

@@ -20,8 +20,8 @@
 //!
 //! let paper = Scene::load("paper", &["solver.duration_s=0.01".parse()?])?;
 //! let engine = choice::find("native", &paper)?;
-//! let found = single::run(&Gearbox::new(&paper)?, engine.as_ref(), true, &Control::quiet())?;
-//! assert!(found.run.ending.is_finished() && found.resolution.is_some_and(|r| r.holds()));
+//! let outcome = single::run(&Gearbox::new(&paper)?, engine.as_ref(), true, &Control::quiet())?;
+//! assert!(outcome.run.ending.is_finished() && outcome.resolution.is_some_and(|r| r.holds()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

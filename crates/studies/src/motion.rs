@@ -42,8 +42,8 @@ impl Motion {
         let scene = &gearbox.scene;
         let (step, duration) = sampled(scene);
         let title = format!("{}, native solver", scene.name);
-        let found = Self::over(gearbox, &title, (0.0, duration), step, control)?;
-        Ok(found.map(|motion| Self {
+        let motion = Self::over(gearbox, &title, (0.0, duration), step, control)?;
+        Ok(motion.map(|motion| Self {
             begin_s: 0.5 * duration,
             ..motion
         }))

@@ -15,18 +15,18 @@ pub fn map<S, T: Send, E: Send>(
 ) -> (Vec<Option<T>>, Option<E>) {
     let next = AtomicUsize::new(0);
     let none: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    let found = Mutex::new((none, None));
+    let results = Mutex::new((none, None));
     let take = || {
         let mut mine = state();
-        while lock(&found).1.is_none() {
+        while lock(&results).1.is_none() {
             let k = next.fetch_add(1, Ordering::Relaxed);
             if k >= count {
                 break;
             }
-            let made = work(&mut mine, k);
-            let (all, first) = &mut *lock(&found);
-            match made {
-                Ok(made) => all[k] = Some(made),
+            let result = work(&mut mine, k);
+            let (all, first) = &mut *lock(&results);
+            match result {
+                Ok(result) => all[k] = Some(result),
                 Err(error) => _ = first.get_or_insert(error),
             }
         }
@@ -37,7 +37,7 @@ pub fn map<S, T: Send, E: Send>(
         }
         take();
     });
-    found.into_inner().unwrap_or_else(PoisonError::into_inner)
+    results.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Locks a mutex, also after another thread panicked: its content is consistent after every piece.

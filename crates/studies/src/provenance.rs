@@ -69,18 +69,18 @@ pub struct Summary<'a, T: Serialize> {
     pinwheel_version: &'static str,
     command: &'a str,
     #[serde(flatten)]
-    found: T,
+    results: T,
     machine: &'a Machine,
 }
 
 impl<'a, T: Serialize> Summary<'a, T> {
-    /// Adds the origin to the results `found`, with keys on the same level.
-    pub fn new(made: &'a Provenance, found: T) -> Self {
+    /// Adds the origin to the results `results`, with keys on the same level.
+    pub fn new(origin: &'a Provenance, results: T) -> Self {
         Self {
-            pinwheel_version: made.version,
-            command: &made.command,
-            found,
-            machine: &made.machine,
+            pinwheel_version: origin.version,
+            command: &origin.command,
+            results,
+            machine: &origin.machine,
         }
     }
 

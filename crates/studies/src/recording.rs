@@ -83,25 +83,25 @@ pub fn record(
         file::check(path, &is_ours)?;
     }
     let (participant, uncertainty) = refined(engine, scene, &label, control)?;
-    let told = format!("{} {}", engine.name(), participant.status);
+    let reason = format!("{} {}", engine.name(), participant.status);
     match participant.status {
         Ending::Finished if participant.cost.recorded.is_none() => {}
         Ending::Finished | Ending::Failed { .. } | Ending::Absent { .. } => {
-            return Ok(Recorded::Broken(told));
+            return Ok(Recorded::Broken(reason));
         }
-        _ => return Ok(Recorded::Left(told)),
+        _ => return Ok(Recorded::Left(reason)),
     }
     let (cost, series) = (participant.cost, participant.time_series);
     let mut recording = Recording::new(engine, scene, cost, series, uncertainty);
     let (name, engine) = (&scene.name, engine.name());
-    let made = Provenance::here(format!("pinwheel record {name} --engines {engine}"));
-    recording.machine = made.machine.named();
-    recording.date = made.date;
-    recording.command = made.command;
+    let origin = Provenance::here(format!("pinwheel record {name} --engines {engine}"));
+    recording.machine = origin.machine.named();
+    recording.date = origin.date;
+    recording.command = origin.command;
     let written = recording.write();
     let (text, rows) = written.map_err(|error| OutputError::new(&path, &error))?;
     let bytes = text.len() + rows.len();
-    // The time series first: without a description it is no recording.
+    // The time series is written first: without a description it is no recording.
     file::replace_all(&[(csv, rows), (description, text)], &is_ours)?;
     Ok(Recorded::Kept {
         samples: recording.time_series.len(),

@@ -52,8 +52,8 @@ pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     let contact = &scene.contact;
     let has_friction = scene.slides();
     let convex = has_friction && contact.friction_law == FrictionLaw::Regularised;
-    let found = Frequencies::of(scene);
-    let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;
+    let rates = Frequencies::of(scene);
+    let stiff = rates.friction_1_s > 100.0 * rates.contact_rad_s;
     match contact.detection {
         Detection::Points if convex => [("imex2", 0.004), ("imex2", 0.0015)],
         Detection::Points => [("rk4", 0.004), ("rk4", 0.0015)],

@@ -86,9 +86,9 @@ pub fn check(
     let mut spent = 0;
     let mut again = |factor: f64| {
         let (other, words) = refined(gearbox, factor)?;
-        let found = run_compiled(&other, watch)?;
-        spent += found.counts.evaluations;
-        Ok::<_, StudyError>((found, words, spent as f64 / evaluations.max(1) as f64))
+        let run = run_compiled(&other, watch)?;
+        spent += run.counts.evaluations;
+        Ok::<_, StudyError>((run, words, spent as f64 / evaluations.max(1) as f64))
     };
     let coarser = again(0.5)?;
     let failure = coarser.0.ending.failure();
@@ -130,12 +130,12 @@ fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Dista
     let apart = enough.then(|| gearbox.distance(&coarser, &finer))?;
     let ratio = if info.adaptive { DECADE } else { 2.0 };
     let method = convergence_of(info, scene);
-    let found = ladder::error(&[(apart, ratio)], None, method, f64::EPSILON);
-    (!found.worst().is_nan()).then(|| found.torque_as_forces())
+    let error = ladder::error(&[(apart, ratio)], None, method, f64::EPSILON);
+    (!error.worst().is_nan()).then(|| error.torque_as_forces())
 }
 
-/// Returns the gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), with
-/// half of its samples, and the setting in words. The initial state is not computed again.
+/// Returns the gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser for a `factor` below 1), with
+/// half of its samples, and the setting in words. The initial state is kept.
 fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyError> {
     let name = &gearbox.scene.solver.integrator;
     let adaptive = method(name).is_some_and(|m| m.adaptive);

@@ -62,13 +62,13 @@ impl Results {
                 continue;
             };
             let (label, unit) = label_and_unit(quantity);
-            let (found, sampling) = (of.statistics, of.sampling);
+            let (efficiency, sampling) = (of.statistics, of.sampling);
             for &kind in kinds {
                 let (value, size, share, sampling) = match kind {
-                    "mean" => (found.mean, found.rms, all, sampling.mean),
-                    "min" => (found.min, found.peak, at_most, sampling.min),
-                    "max" => (found.max, found.peak, at_most, sampling.max),
-                    _ => (found.peak, found.peak, at_most, sampling.peak),
+                    "mean" => (efficiency.mean, efficiency.rms, all, sampling.mean),
+                    "min" => (efficiency.min, efficiency.peak, at_most, sampling.min),
+                    "max" => (efficiency.max, efficiency.peak, at_most, sampling.max),
+                    _ => (efficiency.peak, efficiency.peak, at_most, sampling.peak),
                 };
                 let def = FigureDef::named(
                     format!("{kind}_{quantity}"),
@@ -90,18 +90,18 @@ impl Results {
         }
         let account = run.stats.energy.last();
         let account = account.filter(|audit| audit.from_s == from_s);
-        if let Some(found) = account.and_then(Efficiency::of) {
-            figures.push(match found.defined() {
+        if let Some(efficiency) = account.and_then(Efficiency::of) {
+            figures.push(match efficiency.defined() {
                 Ok(share) => {
                     let off = torque.map(|torque| share.abs() * torque);
-                    known(&SHARE_DELIVERED, share, off, found.lost_off)
+                    known(&SHARE_DELIVERED, share, off, efficiency.lost_off)
                 }
                 Err(reason) => SHARE_DELIVERED.of(None, None).withheld(reason),
             });
-            let lost = |(def, share)| known(def, share, torque, found.lost_off);
-            figures.push(lost((&SHARE_LOST, found.lost_share)));
-            figures.extend(found.by_cause().map(lost));
-            let (created, off) = (found.created_share, found.created_off);
+            let lost = |(def, share)| known(def, share, torque, efficiency.lost_off);
+            figures.push(lost((&SHARE_LOST, efficiency.lost_share)));
+            figures.extend(efficiency.by_cause().map(lost));
+            let (created, off) = (efficiency.created_share, efficiency.created_off);
             figures.push(known(&SHARE_CREATED, created, torque, off));
         }
         Self {

@@ -34,7 +34,7 @@ impl Rng {
     }
 
     /// Returns an integer from `low` to `high`, both included.
-    pub fn whole(&mut self, low: usize, high: usize) -> usize {
+    pub fn integer(&mut self, low: usize, high: usize) -> usize {
         low + (self.next() % (high - low + 1) as u64) as usize
     }
 

@@ -7,7 +7,7 @@ use crate::rng::Rng;
 pub(crate) fn hypercube(rng: &mut Rng, count: usize) -> Vec<f64> {
     let mut parts: Vec<usize> = (0..count).collect();
     for last in (1..count).rev() {
-        parts.swap(last, rng.whole(0, last));
+        parts.swap(last, rng.integer(0, last));
     }
     let within = |part: usize| (part as f64 + rng.share()) / count as f64;
     parts.into_iter().map(within).collect()

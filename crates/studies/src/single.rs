@@ -54,7 +54,7 @@ pub(crate) struct RunRecord<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     by_contact_law: Option<&'a Bands>,
     scene: &'a Scene,
-    /// Values of the scene that its file does not write.
+    /// Values of the scene that are not in its file.
     assumptions: Vec<Assumption>,
     pinwheel_version: &'static str,
     machine: &'a Machine,
@@ -125,13 +125,13 @@ pub struct Outcome {
     pub scene: CheckedScene,
     /// Time series, cost and ending; a run that diverged ends early.
     pub run: Run,
-    /// Evidence of the run at twice the step, if made.
+    /// Evidence of the run at twice the step, if origin.
     pub resolution: Option<Resolution>,
     /// Figures with other contact laws and fits; `None` if they were not requested or there are no other laws.
     pub bands: Option<Bands>,
-    /// Loads of the parts against what they may bear, for a page.
+    /// Loads of the parts against their limits, for a page.
     pub limits: Option<Limits>,
-    /// The gearbox in motion, for a page.
+    /// Motion of the gearbox, for a page.
     pub motion: Option<Motion>,
 }
 
@@ -171,7 +171,7 @@ pub fn run(
     })
 }
 
-/// Returns the evidence of a native run at twice its step; none for the resolved engine, which ignores the scene's step.
+/// Returns the evidence of a native run at twice its step; `None` for the resolved engine, which ignores the scene's step.
 fn check(
     engine: &dyn Engine,
     gearbox: &Gearbox,
@@ -191,7 +191,7 @@ fn check(
     let from_s = results::from_s(run, &gearbox.scene);
     let ran = (&run.time_series, run.stats.rhs_calls);
     match resolution::check(&formed, ran, from_s, &mut |t| at.reached(t)) {
-        Ok(found) => Ok(Some(found)),
+        Ok(result) => Ok(Some(result)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(error) => Err(StudyError::Unrepeated(Box::new(error))),
     }
@@ -262,7 +262,7 @@ impl Outcome {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         let engine = (&*self.engine, &*self.version, self.track);
         let (ending, stats) = (&self.run.ending, &self.run.stats);
         let record = RunRecord {
@@ -270,7 +270,7 @@ impl Outcome {
             uncertainty: self.run.uncertainty.as_ref(),
             results: ending.is_finished().then(|| self.results()),
             by_contact_law: self.bands.as_ref(),
-            ..RunRecord::new(engine, &self.scene, ending, stats, made)
+            ..RunRecord::new(engine, &self.scene, ending, stats, origin)
         };
         record.write(dir, &self.run.time_series)
     }
@@ -283,7 +283,7 @@ impl<'a> RunRecord<'a> {
         scene: &'a CheckedScene,
         ending: &'a Ending,
         stats: &'a RunStats,
-        made: &'a Provenance,
+        origin: &'a Provenance,
     ) -> Self {
         let (diverged_at_s, diverged_quantity) = match ending {
             Ending::Diverged { time_s, quantity } => (Some(*time_s), Some(quantity.as_str())),
@@ -305,8 +305,8 @@ impl<'a> RunRecord<'a> {
             by_contact_law: None,
             scene,
             assumptions: assumptions(scene),
-            pinwheel_version: made.version,
-            machine: &made.machine,
+            pinwheel_version: origin.version,
+            machine: &origin.machine,
         }
     }
 

@@ -132,15 +132,15 @@ fn share(difference: Option<f64>, size: Option<f64>, least: f64) -> f64 {
     }
 }
 
-/// Returns the row in the increasing times `whole` of each of `times`; `None` without a sample at that time.
-pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = Option<usize>> + 'a {
+/// Returns the row in the increasing times `range` of each of `times`; `None` without a sample at that time.
+pub fn rows_at<'a>(times: &'a [f64], all: &'a [f64]) -> impl Iterator<Item = Option<usize>> + 'a {
     times.iter().map(|&time| {
-        let after = whole.partition_point(|&t| t < time);
+        let after = all.partition_point(|&t| t < time);
         let near = |row: usize| {
-            let t = whole.get(row)?;
-            let spacing = match row.checked_sub(1).and_then(|before| whole.get(before)) {
+            let t = all.get(row)?;
+            let spacing = match row.checked_sub(1).and_then(|before| all.get(before)) {
                 Some(before) => t - before,
-                None => whole.get(1)? - t,
+                None => all.get(1)? - t,
             };
             ((t - time).abs() <= SAME * spacing).then_some(row)
         };
@@ -253,10 +253,10 @@ pub struct LoadMagnitude {
 impl LoadMagnitude {
     /// Returns the magnitudes over the run; NaN for a column that is missing or not finite.
     pub fn of(time_series: &TimeSeries) -> Self {
-        let whole = 0..time_series.len();
-        let torque = View::driver_torque(time_series, whole.clone());
+        let range = 0..time_series.len();
+        let torque = View::driver_torque(time_series, range.clone());
         Self {
-            peak_force_n: View::forces(time_series, whole).peak().unwrap_or(f64::NAN),
+            peak_force_n: View::forces(time_series, range).peak().unwrap_or(f64::NAN),
             mean_torque_n_m: torque.mean().unwrap_or(f64::NAN),
             rms_torque_n_m: torque.rms().unwrap_or(f64::NAN),
         }
@@ -289,8 +289,8 @@ fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
         spoiled[lane] += 0.0 * value;
     };
     for channel in channels {
-        let (whole, rest) = channel.as_chunks::<LANES>();
-        for chunk in whole {
+        let (range, rest) = channel.as_chunks::<LANES>();
+        for chunk in range {
             (0..LANES).for_each(|lane| take(lane, chunk[lane]));
         }
         rest.iter().for_each(|&value| take(0, value));

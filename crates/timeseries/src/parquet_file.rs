@@ -48,7 +48,7 @@ impl Values {
     fn schema(&self, name: &str) -> Result<TypePtr, ParquetFault> {
         let (physical, logical) = match self {
             Self::Number(_) => (Physical::DOUBLE, None),
-            Self::Whole(_) => (Physical::INT64, None),
+            Self::Integers(_) => (Physical::INT64, None),
             Self::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
         let column = Type::primitive_type_builder(name, physical)
@@ -77,7 +77,7 @@ impl Table {
         for column in self.named() {
             match &column.values {
                 Values::Number(list) => write_column::<DoubleType, _>(&mut group, list, |v| *v)?,
-                Values::Whole(list) => write_column::<Int64Type, _>(&mut group, list, |v| *v)?,
+                Values::Integers(list) => write_column::<Int64Type, _>(&mut group, list, |v| *v)?,
                 Values::Text(list) => write_column::<ByteArrayType, _>(&mut group, list, |v| {
                     ByteArray::from(v.as_str())
                 })?,

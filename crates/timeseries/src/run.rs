@@ -359,7 +359,7 @@ impl Ending {
     ///
     /// # Errors
     /// Ending of a run that did not finish.
-    pub fn whole(&self) -> Result<(), Self> {
+    pub fn finished(&self) -> Result<(), Self> {
         if self.is_finished() {
             Ok(())
         } else {

@@ -295,8 +295,8 @@ impl Stencil {
 /// Returns the first N elements from `first` on, which must exist.
 #[inline]
 fn points_from<T, const N: usize>(all: &[T], first: usize) -> &[T; N] {
-    let found = all.get(first..).and_then(|rest| rest.first_chunk());
-    found.unwrap_or_else(|| unreachable!("{first} of {}", all.len()))
+    let chunk = all.get(first..).and_then(|rest| rest.first_chunk());
+    chunk.unwrap_or_else(|| unreachable!("{first} of {}", all.len()))
 }
 
 /// Weighted sum of the points.

@@ -12,7 +12,7 @@
 //!     .unit("N m")
 //!     .uncertain(|_| Some(0.003))
 //!     .marked(|run| Mark::bad(run.1.is_none()))
-//!     .whole("steps", "Steps", |run| Some(run.2))
+//!     .integers("steps", "Steps", |run| Some(run.2))
 //!     .done();
 //!
 //! let mut csv = Vec::new();
@@ -56,7 +56,7 @@ pub struct Column {
     /// Format of numbers.
     pub shown: Shown,
     /// Text for people instead of the value.
-    pub said: Vec<Option<String>>,
+    pub display: Vec<Option<String>>,
     /// Mark of each cell.
     pub marks: Vec<Mark>,
     /// Shade of each cell's background from 0 (none) to 1 (full).
@@ -73,7 +73,7 @@ pub enum Values {
     /// Numbers.
     Number(Vec<Option<f64>>),
     /// Integers.
-    Whole(Vec<Option<i64>>),
+    Integers(Vec<Option<i64>>),
     /// Words.
     Text(Vec<Option<String>>),
 }
@@ -147,7 +147,7 @@ impl Mark {
     }
 }
 
-/// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`whole`](Self::whole) add a column, all other calls
+/// Builder of a table: [`text`](Self::text), [`number`](Self::number) and [`integers`](Self::integers) add a column, all other calls
 /// change the last one.
 #[must_use]
 #[derive(Debug)]
@@ -198,11 +198,11 @@ impl Table {
         for column in &mut self.columns {
             match &mut column.values {
                 Values::Number(values) => pick(values, &keep),
-                Values::Whole(values) => pick(values, &keep),
+                Values::Integers(values) => pick(values, &keep),
                 Values::Text(values) => pick(values, &keep),
             }
             pick(&mut column.uncertainty, &keep);
-            pick(&mut column.said, &keep);
+            pick(&mut column.display, &keep);
             pick(&mut column.marks, &keep);
             pick(&mut column.shades, &keep);
             pick(&mut column.links, &keep);
@@ -250,7 +250,7 @@ impl Table {
                         let text = digits.format(value);
                         writer.write_field(text.strip_suffix(".0").unwrap_or(text))?;
                     }
-                    Cell::Whole(value) => writer.write_field(value.to_string())?,
+                    Cell::Integer(value) => writer.write_field(value.to_string())?,
                     Cell::Text(words) => writer.write_field(words)?,
                     Cell::Empty => writer.write_field("")?,
                 }
@@ -279,7 +279,7 @@ impl Values {
     pub fn len(&self) -> usize {
         match self {
             Self::Number(values) => values.len(),
-            Self::Whole(values) => values.len(),
+            Self::Integers(values) => values.len(),
             Self::Text(values) => values.len(),
         }
     }
@@ -293,7 +293,7 @@ impl Values {
     pub fn number(&self, row: usize) -> Option<f64> {
         match self.cell(row) {
             Cell::Number(value) => Some(value),
-            Cell::Whole(value) => Some(value as f64),
+            Cell::Integer(value) => Some(value as f64),
             Cell::Text(_) | Cell::Empty => None,
         }
     }
@@ -310,7 +310,7 @@ impl Values {
     pub fn text(&self, row: usize) -> String {
         match self.cell(row) {
             Cell::Number(value) => value.to_string(),
-            Cell::Whole(value) => value.to_string(),
+            Cell::Integer(value) => value.to_string(),
             Cell::Text(words) => words.to_owned(),
             Cell::Empty => String::new(),
         }
@@ -319,7 +319,7 @@ impl Values {
     fn cell(&self, row: usize) -> Cell<'_> {
         let cell = match self {
             Self::Number(values) => values.get(row).copied().flatten().map(Cell::Number),
-            Self::Whole(values) => values.get(row).copied().flatten().map(Cell::Whole),
+            Self::Integers(values) => values.get(row).copied().flatten().map(Cell::Integer),
             Self::Text(values) => values.get(row).and_then(Option::as_deref).map(Cell::Text),
         };
         cell.unwrap_or(Cell::Empty)
@@ -363,15 +363,15 @@ impl<R> TableOf<R> {
     }
 
     /// Adds a column of integers.
-    pub fn whole<V: TryInto<i64>>(
+    pub fn integers<V: TryInto<i64>>(
         self,
         name: &str,
         label: &str,
         of: impl Fn(&R) -> Option<V>,
     ) -> Self {
-        let whole = |row| of(row).and_then(|value| value.try_into().ok());
-        let values = self.rows.iter().map(whole).collect();
-        self.column(name, label, Values::Whole(values))
+        let integers = |row| of(row).and_then(|value| value.try_into().ok());
+        let values = self.rows.iter().map(integers).collect();
+        self.column(name, label, Values::Integers(values))
     }
 
     /// Adds a column of existing values.
@@ -401,8 +401,8 @@ impl<R> TableOf<R> {
     }
 
     /// Sets the texts that replace values of the last column for people; `None` keeps the value.
-    pub fn said<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
-        self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())
+    pub fn display<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
+        self.last(|rows, column| column.display = rows.iter().map(|row| of(row).into()).collect())
     }
 
     /// Sets the marks of cells of the last column.
@@ -485,7 +485,7 @@ impl Serialize for Row<'_> {
 #[serde(untagged)]
 enum Cell<'a> {
     Number(f64),
-    Whole(i64),
+    Integer(i64),
     Text(&'a str),
     Empty,
 }

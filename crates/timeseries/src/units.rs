@@ -41,8 +41,8 @@ const UNITS: &[Row] = units! {
 pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
     let stem = |suffix: &str| name.strip_suffix(suffix).filter(|stem| !stem.is_empty());
     let mut known = UNITS.iter();
-    let found = known.find_map(|(suffix, label, _)| Some((stem(suffix)?, *label)));
-    found.unwrap_or((name, ""))
+    let entry = known.find_map(|(suffix, label, _)| Some((stem(suffix)?, *label)));
+    entry.unwrap_or((name, ""))
 }
 
 /// Returns the factor from `unit` to the unit of the column `name` (without its final number).
@@ -66,8 +66,8 @@ pub fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
         let of = |force, arm| Some(factor("_n", force).ok()? * factor("_m", arm).ok()?);
         of(one, other).or_else(|| of(other, one))
     };
-    let found = list.iter().find(|(name, _)| *name == wanted);
-    (found.map(|(_, factor)| *factor).or_else(product))
+    let entry = list.iter().find(|(name, _)| *name == wanted);
+    (entry.map(|(_, factor)| *factor).or_else(product))
         .ok_or_else(|| list.iter().map(|(name, _)| *name).collect())
 }
 

@@ -84,7 +84,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 
 /// Returns the failure of a comparison; after a stop, the message names the command that continues it.
 fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
-    let stored = store.map_or(0, Store::made);
+    let stored = store.map_or(0, Store::added);
     match error {
         StudyError::Cancelled if stored > 0 => {
             let without = if fresh { " without --fresh" } else { "" };

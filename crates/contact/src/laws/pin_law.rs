@@ -122,16 +122,16 @@ fn observed<R: Real>(law: &PinLaw, [stiffness, penetration, rate]: [R; 3]) -> [R
 
 /// Solves contact and pin in series; see the module's text.
 #[inline(always)]
-fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R; 3] {
-    let c = |x: f64| whole.like(x);
+fn series<R: Real>(law: &Law, pin: f64, [stiffness, depth, rate]: [R; 3]) -> [R; 3] {
+    let c = |x: f64| depth.like(x);
     let (zero, one, k) = (c(0.0), c(1.0), c(pin));
-    let (mut low, mut high) = (zero, whole);
-    let mut last = [whole, law.force(stiffness, whole, zero)];
-    let ratio = last[1] / (k * whole);
+    let (mut low, mut high) = (zero, depth);
+    let mut last = [depth, law.force(stiffness, depth, zero)];
+    let ratio = last[1] / (k * depth);
     let mut slope = k * (one + ratio);
-    let mut x = whole / (one + ratio.sqrt());
+    let mut x = depth / (one + ratio.sqrt());
     for _ in 0..STEPS {
-        let excess = k.mul_add(x - whole, law.force(stiffness, x, zero));
+        let excess = k.mul_add(x - depth, law.force(stiffness, x, zero));
         low = excess.below(zero, x, low);
         high = excess.below(zero, high, x);
         let step = x - last[0];
@@ -145,7 +145,7 @@ fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R;
         let capped = high.below(next, middle, next);
         x = next.below(low, middle, capped);
     }
-    let share = x / whole;
+    let share = x / depth;
     let [force, elastic, stored] = law.observed(stiffness, x, share * rate);
     [
         share.mul_add(force - elastic, elastic),

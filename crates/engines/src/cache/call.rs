@@ -35,8 +35,8 @@ impl Note {
     }
 }
 
-/// Settings of pip for access to packages, which are passed on; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would change what
-/// is installed, or where.
+/// Settings of pip for access to packages, which are passed on; all others (`PIP_TARGET`, `PIP_DRY_RUN`, ...) would change the
+/// packages or their place.
 const PIP_MAY: &str = "CACHE_DIR CERT CLIENT_CERT CONFIG_FILE DEFAULT_TIMEOUT EXTRA_INDEX_URL FIND_LINKS INDEX_URL \
                        KEYRING_PROVIDER NO_CACHE_DIR NO_INDEX PROXY RETRIES TIMEOUT TRUSTED_HOST";
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Returns the library of the contact law: the file named by `PINWHEEL_LAW`, or the one beside the program.
 ///
 /// # Errors
-/// The remedy, on one line, if there is none.
+/// No library; the error is one line with the remedy.
 pub fn law_library() -> Result<PathBuf, String> {
     library("law", "PINWHEEL_LAW")
 }
@@ -27,10 +27,10 @@ fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
     );
     if let Some(named) = crate::env::variable(variable) {
         let path = PathBuf::from(named);
-        let found = path
+        let library = path
             .is_file()
             .then(|| std::path::absolute(&path).unwrap_or(path.clone()));
-        return found.ok_or_else(|| {
+        return library.ok_or_else(|| {
             format!(
                 "{variable} names {}, which is no file; name {name}, or unset it",
                 path.display()
@@ -41,12 +41,12 @@ fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
     let beside = program.as_deref().and_then(std::path::Path::parent);
     // Cargo keeps libraries of dependencies in `deps`; packages keep them in `lib`.
     let places = [".", "deps", "../lib"];
-    let mut found = places.iter().filter_map(|place| {
+    let mut library = places.iter().filter_map(|place| {
         let path = beside?.join(place).join(&name);
         path.is_file()
             .then(|| std::fs::canonicalize(&path).unwrap_or(path))
     });
-    found.next().ok_or_else(|| {
+    library.next().ok_or_else(|| {
         format!(
             "{name} is not beside the program; build it in Pinwheel's folder with `cargo build --release -p pinwheel-{what}` \
              and name it by {variable}=target/release/{name}"

@@ -323,7 +323,7 @@ pub(super) fn python() -> PathBuf {
 /// Returns a key of the structure in series with the contacts, or of temperatures, which only the scene's law contains.
 pub(crate) fn structure_at_contacts(scene: &Scene) -> Option<&'static str> {
     let structure = &scene.structure;
-    let given = [
+    let sizes = [
         (
             structure.output_pin_diameter_m,
             "structure.output_pin_diameter_m",
@@ -335,6 +335,6 @@ pub(crate) fn structure_at_contacts(scene: &Scene) -> Option<&'static str> {
         ),
         (scene.temperature.map(|warm| warm.disc_k), "[temperature]"),
     ];
-    let (_, key) = given.into_iter().find(|(size, _)| size.is_some())?;
+    let (_, key) = sizes.into_iter().find(|(size, _)| size.is_some())?;
     Some(key)
 }

@@ -35,7 +35,7 @@ use log::{Limits, SolverLog, WORDS, plain};
 pub(crate) use manifest::structure_at_contacts;
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
-use result::{Found, JobFolder, Reply};
+use result::{JobFolder, Reply, Series};
 use serde_json::Value;
 
 /// Exit status of a diverged run.
@@ -198,7 +198,7 @@ impl Solver {
         self.judge(gearbox, &handle, &ended, &log, message)
     }
 
-    /// Runs it on a job file of another text than the scene's, made of it by `text`.
+    /// Runs the solver on a job file that `text` derives from the scene's.
     ///
     /// # Errors
     /// A stop.
@@ -267,7 +267,7 @@ impl Solver {
         let checked = match folder.time_series(gearbox, !diverged) {
             Ok(checked) => checked,
             // A run may diverge before its first row.
-            Err(_) if diverged => Found::default(),
+            Err(_) if diverged => Series::default(),
             Err(what) => return Err(failed(format!("{what}{last_words}"))),
         };
         let mut run = Run::new(

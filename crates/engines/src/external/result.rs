@@ -34,7 +34,7 @@ pub(super) struct Reply {
 
 /// Time series, with the reason of an early end.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct Series {
     pub(super) time_series: TimeSeries,
     /// Time and quantity of the divergence.
     pub(super) diverged: Option<(f64, String)>,
@@ -153,7 +153,7 @@ impl JobFolder {
     }
 
     /// Reads and checks the time series. `complete`: the solver reported success.
-    pub(super) fn time_series(&self, gearbox: &Gearbox, complete: bool) -> Result<Found, String> {
+    pub(super) fn time_series(&self, gearbox: &Gearbox, complete: bool) -> Result<Series, String> {
         let samples = gearbox.scene.solver.sample_times_s();
         let required = job::required(gearbox);
         let channels = gearbox.channels.len();
@@ -226,7 +226,7 @@ fn checked(
     read: &TimeSeries,
     samples: &[f64],
     complete: bool,
-) -> Result<Found, String> {
+) -> Result<Series, String> {
     let required = job::required(gearbox);
     let missing: Vec<&str> = required[1..]
         .iter()
@@ -325,7 +325,7 @@ fn checked(
             .map_err(|error| error.to_string())?;
     }
     signs(gearbox, &time_series)?;
-    Ok(Found {
+    Ok(Series {
         diverged: diverged.map(|(row, what)| (samples[row], what)),
         time_series,
         notes,

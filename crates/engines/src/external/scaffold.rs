@@ -26,7 +26,7 @@ macro_rules! languages {
     };
 }
 
-/// The languages that there are examples in: how they are typed, what the example is, the example.
+/// Languages with an example: name on the command line, description, example.
 pub static LANGUAGES: [(&str, &str, Language); 5] = languages! {
     "c" "C, Runge-Kutta 4": "c-rk4" "solver.c", true;
     "cpp" "C++, Runge-Kutta 4": "cpp-rk4" "solver.cpp", true;

@@ -27,7 +27,8 @@ pub fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
-/// Returns the ending for an environment whose package cannot be loaded. One that the user `named` is the user's to repair.
+/// Returns the ending for an environment whose package cannot be loaded. The user has to repair an environment that was
+/// `named`.
 pub fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {
@@ -57,10 +58,10 @@ fn load(environment: &Environment) -> Result<(), Halt> {
             path.call_method1("insert", (0, environment.packages.as_os_str()))?;
             path.call_method1("insert", (0, sources.as_os_str()))?;
             for (package, version) in pins(LIST) {
-                let found = installed(py, package)?;
-                if found != version {
+                let actual = installed(py, package)?;
+                if actual != version {
                     return Ok(Err(format!(
-                        "it has {package} {found}, and recorded time series and limits belong to {version}"
+                        "it has {package} {actual}, and recorded time series and limits belong to {version}"
                     )));
                 }
             }

@@ -116,10 +116,10 @@ impl Engine for PythonEngine {
         // The law is the native solver's, so it supports the same scenes.
         if self.0.track != SharedModel::SharedLaw {
             pins_are_rigid(&gearbox.scene)?;
-            let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
-            if given != *gearbox.scene {
-                let given = given.check().map_err(Ending::unsupported)?;
-                gearbox = Gearbox::new(&given).map_err(Ending::unsupported)?;
+            let scene = self.0.own_contact.adapted(Scene::clone(&gearbox.scene));
+            if scene != *gearbox.scene {
+                let scene = scene.check().map_err(Ending::unsupported)?;
+                gearbox = Gearbox::new(&scene).map_err(Ending::unsupported)?;
             }
             self.check(&gearbox.scene)?;
         }

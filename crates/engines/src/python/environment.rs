@@ -67,7 +67,7 @@ pub struct Environment {
 }
 
 impl Requirements {
-    /// Says what the packages still need on this machine, without making anything; `None` if they are there.
+    /// Returns the packages that are missing on this machine, without installing any; `None` if all are present.
     pub(crate) fn needs(self) -> Option<String> {
         let why = |halt: Halt| Some(halt.to_string());
         let interpreter = match interpreter() {
@@ -78,10 +78,10 @@ impl Requirements {
             let named = named(Path::new(&folder), &interpreter, &AtomicBool::new(false));
             return named.err().and_then(why);
         }
-        let made = cache::folder().map(|cache| cache.join(name_of(self, &interpreter)));
-        match made {
+        let folder = cache::folder().map(|cache| cache.join(name_of(self, &interpreter)));
+        match folder {
             Err(halt) => why(halt),
-            Ok(made) if made.join(MARKER).is_file() => None,
+            Ok(folder) if folder.join(MARKER).is_file() => None,
             Ok(_) => Some("pip installs the packages at the first use".to_owned()),
         }
     }
@@ -189,7 +189,7 @@ pub fn ensure(
     let made = cache::CachedBuild {
         name: &name_of(requirements, interpreter),
         title: "Python packages (once)",
-        whole: &|folder: &Path| whole(folder, requirements, cancel),
+        read: &|folder: &Path| complete(folder, requirements, cancel),
         build: &|draft: &Path, note: &Note| {
             let executable = executable(interpreter, cancel)?;
             make(draft, &executable, requirements, wheels, note, cancel)
@@ -216,7 +216,7 @@ pub fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String 
 }
 
 /// Returns a complete environment, or `None`: the marker shows that pip succeeded, and every package must still be there.
-pub fn whole(
+pub fn complete(
     folder: &Path,
     requirements: Requirements,
     cancel: &AtomicBool,

@@ -26,8 +26,8 @@ fn is_here() -> bool {
 pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     if is_here() {
         return Python::attach(|py| {
-            let found = package(py);
-            found.map_err(|error| Ending::absent(text_of(py, &error)))?;
+            let present = package(py);
+            present.map_err(|error| Ending::absent(text_of(py, &error)))?;
             Ok(())
         });
     }
@@ -44,21 +44,21 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
 /// time series and limits apply to one version, so other versions do not count. The answer is cached, because it takes a
 /// millisecond.
 pub(super) fn has(package: &str) -> bool {
-    static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
+    static PRESENT: OnceLock<Vec<&'static str>> = OnceLock::new();
     if !is_here() {
         return true;
     }
-    if let Some(found) = FOUND.get() {
-        return found.contains(&package);
+    if let Some(present) = PRESENT.get() {
+        return present.contains(&package);
     }
-    let found: Vec<&'static str> = Python::attach(|py| {
+    let present: Vec<&'static str> = Python::attach(|py| {
         let there =
             |package: &str, version: &str| installed(py, package).is_ok_and(|v| v == version);
-        let found = pins(LIST).filter(|(package, version)| there(package, version));
-        found.map(|(package, _)| package).collect()
+        let present = pins(LIST).filter(|(package, version)| there(package, version));
+        present.map(|(package, _)| package).collect()
     });
-    let has = found.contains(&package);
+    let has = present.contains(&package);
     // No lock: two threads that both compute this could deadlock with the interpreter's lock.
-    let _ = FOUND.set(found);
+    let _ = PRESENT.set(present);
     has
 }

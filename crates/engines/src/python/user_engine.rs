@@ -76,9 +76,9 @@ fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFuncti
             )));
         }
         let states = states.to_vec(py)?;
-        let mut found = vec![0.0; 3 * bodies];
-        law.evaluate(&states, &mut found);
-        loads.copy_from_slice(py, &found)
+        let mut wrenches = vec![0.0; 3 * bodies];
+        law.evaluate(&states, &mut wrenches);
+        loads.copy_from_slice(py, &wrenches)
     })
 }
 

@@ -1,7 +1,7 @@
 //! Python run on its own thread, with progress and cancellation on the caller's.
 //!
-//! Python objects cannot borrow, and [`Control`] is a borrow. So times go to the caller's thread through a channel, and its
-//! answer comes back.
+//! Python objects cannot borrow, and [`Control`] is a borrow. Therefore a channel carries times to the caller's thread, and
+//! another one its answers.
 
 use std::panic::resume_unwind;
 use std::sync::Mutex;
@@ -96,7 +96,7 @@ fn watched<T: Send>(
     control: &Control<'_>,
     work: impl FnOnce(Watch) -> T + Send,
 ) -> std::io::Result<T> {
-    let (tell, told) = sync_channel(0);
+    let (tell, reported) = sync_channel(0);
     let (answer, hear) = sync_channel(1);
     let watch = Watch {
         tell: tell.clone(),
@@ -110,13 +110,13 @@ fn watched<T: Send>(
                 let _end = End(tell);
                 work(watch)
             })?;
-        while let Ok(Some((time_s, cpu))) = told.recv() {
+        while let Ok(Some((time_s, cpu))) = reported.recv() {
             if answer.send(control.reached_elsewhere(time_s, cpu)).is_err() {
                 break;
             }
         }
         // A worker that still reports is answered with a stop.
-        drop((told, answer));
+        drop((reported, answer));
         worker.join().or_else(|panic| resume_unwind(panic))
     })
 }

@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
-use pinwheel_gearbox::channels::{PairSource, Seen};
+use pinwheel_gearbox::channels::{EngineState, PairSource};
 use pinwheel_gearbox::{Gearbox, Recorder, guard};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{FrictionLaw, Scene};
@@ -56,9 +56,9 @@ impl Grid {
     /// Message with the remedy, if `step_s` does not divide the sampling step or the duration.
     pub fn new(scene: &Scene, step_s: f64) -> Result<Self, Ending> {
         let solver = &scene.solver;
-        let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
+        let integer = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
         let per_sample = solver.sample_s / step_s;
-        if !whole(per_sample) {
+        if !integer(per_sample) {
             return Err(Ending::unsupported(format!(
                 "its steps are equal and its samples lie on them; choose solver.step_s so that \
                  solver.sample_s = {} s is a whole number of steps, not {per_sample:.6}",
@@ -69,7 +69,7 @@ impl Grid {
         let mut samples = Vec::new();
         for time in solver.sample_times_s() {
             let node = time / step_s;
-            if time > 0.0 && !whole(node) {
+            if time > 0.0 && !integer(node) {
                 return Err(Ending::unsupported(format!(
                     "its steps are equal and its samples lie on them; choose solver.duration_s as a whole number \
                      of steps of {step_s} s, not {node:.6}"
@@ -149,7 +149,7 @@ pub fn march(
             );
             if recorder.wants_channels() {
                 reactions(gearbox, &world, &sums, &mut joints);
-                recorder.record_channels(&mut Seen {
+                recorder.record_channels(&mut EngineState {
                     bodies: &now,
                     driver_torque_n_m,
                     // Floating discs have no joint, so the list of reactions differs.

@@ -48,24 +48,24 @@ pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
             let lobe = Rotation::new(2.0 * half * lobe as f64);
             let up = flank.iter().skip(1).rev().map(|p| Vector::new(p.x, -p.y));
             let down = flank.iter().take(steps).copied();
-            let whole: Vec<Vector> = up.chain(down).map(|p| lobe * p).collect();
-            whole
+            let edge: Vec<Vector> = up.chain(down).map(|p| lobe * p).collect();
+            edge
         })
         .collect()
 }
 
 /// Returns the number of corners of a disc's edge whose chords deviate from it by `sag_m`.
 pub fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
-    whole(gear) / (8.0 * sag_m).sqrt()
+    bend_integral(gear) / (8.0 * sag_m).sqrt()
 }
 
 /// Returns the sag of the chords between `count` corners of a disc's edge, m: `c^2 |kappa|/8` of a chord c.
 pub fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
-    (whole(gear) / count as f64).powi(2) / 8.0
+    (bend_integral(gear) / count as f64).powi(2) / 8.0
 }
 
 /// Returns the integral of `sqrt |kappa|` along the edge, m^0.5.
-fn whole(gear: &Gear) -> f64 {
+fn bend_integral(gear: &Gear) -> f64 {
     let lobes = gear.lobes() as f64;
     let lobe = Lobe::new(gear, 0.0, TAU / lobes);
     lobes * lobe.weights.last().copied().unwrap_or_default()

@@ -44,9 +44,9 @@ pub(super) fn version() -> String {
 
 /// Makes the Python environment if it is missing.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
-    let found = environment(REQUIREMENTS, cancel)?;
+    let venv = environment(REQUIREMENTS, cancel)?;
     Ok(Ready {
         here: cache::laid_out("ida", &FILES)?,
-        python: Some(found.python),
+        python: Some(venv.python),
     })
 }

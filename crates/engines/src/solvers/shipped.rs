@@ -16,11 +16,11 @@ use crate::known::solvers as facts;
 struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
-    /// Returns what is missing on this machine, with the command that installs it.
+    /// Returns the missing parts on this machine, with the command that installs them.
     needs: fn() -> Option<String>,
     /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
-    made: Memo<Ready>,
+    ready: Memo<Ready>,
     /// Manifests for scenes without and with friction.
     manifests: [&'static str; 2],
 }
@@ -31,7 +31,7 @@ static SHIPPED: [Shipped; 2] = [
         version: simbody::version,
         needs: simbody::needs,
         make: simbody::ready,
-        made: Memo::empty(),
+        ready: Memo::empty(),
         manifests: simbody::MANIFESTS,
     },
     Shipped {
@@ -39,7 +39,7 @@ static SHIPPED: [Shipped; 2] = [
         version: ida::version,
         needs: || ida::REQUIREMENTS.needs(),
         make: ida::ready,
-        made: Memo::empty(),
+        ready: Memo::empty(),
         manifests: [ida::MANIFEST; 2],
     },
 ];
@@ -53,7 +53,7 @@ pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
     Some(Box::new(shipped(info)?))
 }
 
-/// Returns what a shipped solver still needs on this machine; `None` if it runs now.
+/// Returns the missing parts of a shipped solver on this machine; `None` if it runs now.
 pub(crate) fn needs(info: &EngineInfo<'_>) -> Option<String> {
     let no_law = || law_library().err();
     (shipped(info)?.needs)().or_else(no_law)
@@ -62,7 +62,7 @@ pub(crate) fn needs(info: &EngineInfo<'_>) -> Option<String> {
 impl Shipped {
     /// Returns the solver for a scene, prepared if necessary.
     fn solver(&self, gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Solver, Halt> {
-        let ready = self.made.get(|| (self.make)(cancel))?;
+        let ready = self.ready.get(|| (self.make)(cancel))?;
         law_library().map_err(Ending::absent)?;
         let manifest = ready
             .here

@@ -79,13 +79,13 @@ fn installed() -> Option<Installed> {
 
 /// Returns name and version of the installed Simbody.
 pub(super) fn version() -> String {
-    match installed().and_then(|found| found.version) {
+    match installed().and_then(|package| package.version) {
         Some(version) => format!("Simbody {version}"),
         None => "Simbody".to_owned(),
     }
 }
 
-/// Says what is missing, and how it is installed.
+/// Returns the missing parts and how to install them.
 pub(super) fn needs() -> Option<String> {
     let missing = || format!("Simbody is not installed; install it ({REMEDY})");
     installed().is_none().then(missing)
@@ -128,18 +128,18 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
         fs::write(&seal, sum(draft).unwrap_or_default()).map_err(|error| storage(&seal, error))
     };
     // A build damaged by a full disk or a fault would fail at every run.
-    let whole = |folder: &Path| {
+    let read = |folder: &Path| {
         let seal = fs::read_to_string(folder.join(SEAL)).ok()?;
         (sum(folder)? == seal).then(|| folder.to_owned())
     };
-    let made = CachedBuild {
+    let build = CachedBuild {
         name: &format!("simbody-{:016x}", fingerprint(&key)),
         title: "Simbody's program (once)",
-        whole: &whole,
+        read: &read,
         build: &compile,
     };
     Ok(Ready {
-        here: made.once(&cache::folder()?, cancel)?,
+        here: build.once(&cache::folder()?, cancel)?,
         python: None,
     })
 }

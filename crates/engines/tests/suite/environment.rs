@@ -112,7 +112,7 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
 fn an_environment_without_its_packages_is_not_whole() {
     let cache = tempfile::tempdir().unwrap();
     let made = ensure(NOTHING, &interpreter(), cache.path(), None, &GO).unwrap();
-    assert!(whole(&made.folder, NOTHING, &GO).is_some());
+    assert!(complete(&made.folder, NOTHING, &GO).is_some());
     let more = Requirements {
         text: "# list\nno_such.package==1.0 --hash=sha256:00\n",
         ..NOTHING
@@ -120,7 +120,7 @@ fn an_environment_without_its_packages_is_not_whole() {
     let marker = made.folder.join(MARKER);
     fs::write(marker, more.text).unwrap();
     assert!(
-        whole(&made.folder, more, &GO).is_none(),
+        complete(&made.folder, more, &GO).is_none(),
         "the marker alone decides nothing"
     );
     let info = made.packages.join("No_Such_Package-1.0.dist-info");
@@ -130,30 +130,30 @@ fn an_environment_without_its_packages_is_not_whole() {
         "Name: No.Such-Package\nVersion: 1.0\n",
     )
     .unwrap();
-    assert!(whole(&made.folder, more, &GO).is_some());
+    assert!(complete(&made.folder, more, &GO).is_some());
     // In pip's record of files: a package truncated by a full disk or a crash is missing, and the environment is rebuilt.
     let record = "no_such/core.so,sha256=WZRHGrsBESr8wYFZ9sx0tPURuZgG2lmzyvWpwXPKz8U,5\n";
     fs::write(info.join("RECORD"), record).unwrap();
     assert!(
-        whole(&made.folder, more, &GO).is_none(),
+        complete(&made.folder, more, &GO).is_none(),
         "a file is missing"
     );
     let file = made.packages.join("no_such").join("core.so");
     fs::create_dir(file.parent().unwrap()).unwrap();
     fs::write(&file, "12345").unwrap();
-    assert!(whole(&made.folder, more, &GO).is_some());
+    assert!(complete(&made.folder, more, &GO).is_some());
     fs::write(&file, "12").unwrap();
     assert!(
-        whole(&made.folder, more, &GO).is_none(),
+        complete(&made.folder, more, &GO).is_none(),
         "a file is cut off"
     );
     fs::write(&file, "12346").unwrap();
     assert!(
-        whole(&made.folder, more, &GO).is_none(),
+        complete(&made.folder, more, &GO).is_none(),
         "a file has another byte"
     );
     fs::write(&file, "12345").unwrap();
-    assert!(whole(&made.folder, more, &GO).is_some());
+    assert!(complete(&made.folder, more, &GO).is_some());
 }
 
 #[test]

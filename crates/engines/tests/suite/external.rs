@@ -53,7 +53,7 @@ impl Script {
 
     fn run(&self) -> Result<Run, Ending> {
         let run = self.solver.run(&scene(), &Control::quiet());
-        run.expect("nobody stops it").whole()
+        run.expect("nobody stops it").finished()
     }
 
     fn fails(&self) -> String {

@@ -88,7 +88,7 @@ fn a_kept_run_is_the_run() {
     let now = engine.kept(&scene, None).unwrap();
     assert_eq!(bits(&now), bits(&run()));
     assert_eq!(now.stats, run().stats);
-    assert_eq!(store.made(), 1);
+    assert_eq!(store.added(), 1);
     later();
     let (store, engine) = opened(dir.path(), false, "1");
     // Names do not affect a run.
@@ -97,7 +97,7 @@ fn a_kept_run_is_the_run() {
     assert_eq!(found.stats.kept.as_deref(), Some("2026-01-31 on a machine"));
     assert_eq!(bits(&found), bits(&run()));
     assert_eq!(
-        (store.made(), store.cost_s("fake", &scene.scene)),
+        (store.added(), store.cost_s("fake", &scene.scene)),
         (0, Some(3.5))
     );
     assert!(store.messages().is_empty());

@@ -30,7 +30,7 @@ fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
         let exact = gearbox(preset, &[SHORT, truth, "solver.tolerance=1e-12"]);
         let exact = native::run(&exact, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap()
             .time_series;
         let mut runs = ["solver.step_s=1e-5", "solver.step_s=5e-5"].map(|step| {

@@ -170,7 +170,7 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
         fs::write(&unit, package.bytes().expect("bytes")).expect("unit");
         let run = native::run(&gearbox, &mut |_| false)
             .expect("run")
-            .whole()
+            .finished()
             .expect("whole");
         let file = fs::File::create(&time_series).expect("file");
         run.time_series

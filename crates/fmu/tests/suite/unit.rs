@@ -59,7 +59,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let gearbox = Gearbox::new(model.scene()).expect("gearbox");
     let run = native::run(&gearbox, &mut |_| false)
         .expect("run")
-        .whole()
+        .finished()
         .expect("whole");
     let mut unit = begun(&model, &[], &[]);
     let sample = model.scene().solver.sample_s;

@@ -99,12 +99,12 @@ impl Springs {
         let (xx, xy, yy) = (xx - a * a / c, xy - a * b / c, yy - b * b / c);
         let (x, y) = (x - a * turning / c, y - b * turning / c);
         let determinant = xx * yy - xy * xy;
-        let given = [
+        let offset = [
             (yy * x - xy * y) / determinant,
             (xx * y - xy * x) / determinant,
         ];
-        let rest = turning - a * given[0] - b * given[1];
-        [given[0], given[1], rest / c]
+        let rest = turning - a * offset[0] - b * offset[1];
+        [offset[0], offset[1], rest / c]
     }
 }
 
@@ -289,14 +289,14 @@ impl CrankSet {
         for (i, wheel) in wheels.iter().enumerate() {
             out.push(self.unloaded(i, crank, &Motion::of(wheel), &shaft));
         }
-        let given = match (self.support, self.mesh) {
+        let offset = match (self.support, self.mesh) {
             (None, None) => [0.0; 3],
             _ => self.deflection(crank, out),
         };
         for (i, bearing) in out.iter_mut().enumerate() {
-            *bearing = bearing.loaded(&self.law(i, crank), given);
+            *bearing = bearing.loaded(&self.law(i, crank), offset);
         }
-        given
+        offset
     }
 
     /// Returns the motion of a crank about the origin from the angles and rates of output and input.
@@ -416,8 +416,8 @@ impl CrankSet {
             (force, springs, size)
         };
         let length = |[x, y, turning]: Deflection| x.hypot(y).hypot(turning);
-        let mut given = [0.0; 3];
-        let (mut force, mut springs, mut size) = left(given);
+        let mut offset = [0.0; 3];
+        let (mut force, mut springs, mut size) = left(offset);
         for _ in 0..STEPS {
             let most = length(force);
             if most <= LEFT * size {
@@ -427,7 +427,7 @@ impl CrankSet {
             let mut share = 1.0;
             let mut next = None;
             for _ in 0..HALVINGS {
-                let there = [0, 1, 2].map(|k| given[k] + share * step[k]);
+                let there = [0, 1, 2].map(|k| offset[k] + share * step[k]);
                 let balance = left(there);
                 if length(balance.0) < most {
                     next = Some((there, balance));
@@ -437,10 +437,10 @@ impl CrankSet {
             }
             // Rounding prevents further progress.
             let Some((there, balance)) = next else { break };
-            given = there;
+            offset = there;
             (force, springs, size) = balance;
         }
-        given
+        offset
     }
 
     /// Adds the loads of all cranks' bearings.

@@ -51,7 +51,7 @@ impl HeldPins {
     }
 
     /// Returns the states with the rates of the fixed pins.
-    fn seen<'a>(held: &'a mut Option<Self>, bodies: &'a [BodyState]) -> &'a [BodyState] {
+    fn with_rates<'a>(held: &'a mut Option<Self>, bodies: &'a [BodyState]) -> &'a [BodyState] {
         let Some(held) = held else {
             return bodies;
         };
@@ -114,8 +114,8 @@ impl ContactField {
         if self.ring.is_some() {
             return self.evaluate_in_ring(bodies, request);
         }
-        let seen = HeldPins::seen(&mut self.held, bodies);
-        self.contacts.evaluate(seen, request);
+        let with_rates = HeldPins::with_rates(&mut self.held, bodies);
+        self.contacts.evaluate(with_rates, request);
         if let (Some(held), Some(loads)) = (&self.held, &mut request.loads) {
             held.pass_on(loads);
         }
@@ -130,12 +130,12 @@ impl ContactField {
         let Some(mut frame) = self.ring.take() else {
             return;
         };
-        from_ring(bodies, &mut frame.seen);
+        from_ring(bodies, &mut frame.local);
         frame.own.clear();
         frame.own.resize(bodies.len(), Wrench::default());
         let mut asked = Evaluation::of_loads(&mut frame.own);
         asked.energy = request.energy.take();
-        self.evaluate(&frame.seen, &mut asked);
+        self.evaluate(&frame.local, &mut asked);
         request.energy = asked.energy;
         if let Some(loads) = &mut request.loads {
             frame.add_to_ground(&bodies[Layout::OUTPUT], loads);
@@ -146,30 +146,30 @@ impl ContactField {
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     pub fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.seen);
+            from_ring(bodies, &mut frame.local);
             let ring = &bodies[Layout::OUTPUT];
-            self.touching(&frame.seen, &mut |pair| visit(&pair_to_ground(pair, ring)));
+            self.touching(&frame.local, &mut |pair| visit(&pair_to_ground(pair, ring)));
             self.ring = Some(frame);
             return;
         }
-        let seen = HeldPins::seen(&mut self.held, bodies);
-        self.contacts.touching(seen, visit);
+        let with_rates = HeldPins::with_rates(&mut self.held, bodies);
+        self.contacts.touching(with_rates, visit);
     }
 
     /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap. With cranks, a
     /// crank's bearing replaces the pin in its hole.
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.seen);
-            let found = self.nearest(&frame.seen, wheel, sleeve);
+            from_ring(bodies, &mut frame.local);
+            let pair = self.nearest(&frame.local, wheel, sleeve);
             self.ring = Some(frame);
-            return pair_to_ground(&found, &bodies[Layout::OUTPUT]);
+            return pair_to_ground(&pair, &bodies[Layout::OUTPUT]);
         }
         match (&self.carrier, sleeve) {
             (Carrier::Cranks(cranks), Sleeve::Internal(crank)) => cranks.pair(bodies, wheel, crank),
             _ => {
-                let seen = HeldPins::seen(&mut self.held, bodies);
-                self.contacts.nearest(seen, wheel, sleeve)
+                let with_rates = HeldPins::with_rates(&mut self.held, bodies);
+                self.contacts.nearest(with_rates, wheel, sleeve)
             }
         }
     }
@@ -195,15 +195,15 @@ impl ContactField {
     /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.
     pub fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         if let Some(mut frame) = self.ring.take() {
-            from_ring(bodies, &mut frame.seen);
-            let sum = self.energy(&frame.seen);
+            from_ring(bodies, &mut frame.local);
+            let sum = self.energy(&frame.local);
             self.ring = Some(frame);
             return sum;
         }
         let (law, pins) = (&self.law, &self.pins);
         let mut sum = ContactEnergy::default();
-        let seen = HeldPins::seen(&mut self.held, bodies);
-        self.contacts.touching(seen, &mut |pair| {
+        let with_rates = HeldPins::with_rates(&mut self.held, bodies);
+        self.contacts.touching(with_rates, &mut |pair| {
             pair.add_energy(law, &mut sum);
             if let Some(pins) = &pins[pair.sleeve.side()] {
                 sum.sleeve_friction_w += pins.drag(bodies, pair).lost_w;

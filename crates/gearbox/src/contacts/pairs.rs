@@ -414,8 +414,8 @@ impl<D: Detection> PairField for Pairs<D> {
                     (&mut request.derivatives, self.detection.exact())
                 {
                     let at = (wheel, sleeve, body, seat);
-                    let found = self.add_derivatives(exact, at, bodies, pair, derivatives);
-                    on_shared.extend(found);
+                    let added = self.add_derivatives(exact, at, bodies, pair, derivatives);
+                    on_shared.extend(added);
                 }
                 let pins = self.pins[sleeve.side()].filter(|_| wants_pins);
                 if request.energy.is_none() && pins.is_none() {

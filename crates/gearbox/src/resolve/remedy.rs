@@ -17,6 +17,6 @@ pub fn remedy(scene: &CheckedScene, longest: Duration) -> Option<String> {
     let mut late = |_| began.elapsed() > longest;
     let (_, uncertainty) = run_resolved(&gearbox, auto::TARGET, BUDGET, &mut late).ok()?;
     let (auto, known) = (auto::AUTO, uncertainty.sentence());
-    let told = format!("solver.integrator = \"{auto}\" resolves this scene (tried): {known}");
-    uncertainty.is_resolved().then_some(told)
+    let advice = format!("solver.integrator = \"{auto}\" resolves this scene (tried): {known}");
+    uncertainty.is_resolved().then_some(advice)
 }

@@ -61,23 +61,23 @@ impl Statics<'_> {
             true => self.floated.remove(k),
             false => self.floated[k].clone(),
         });
-        let found =
+        let balance =
             known.and_then(|(near, from)| self.continue_towards(near, from, (phi, load)).ok());
-        let found = match found {
-            Some(found) => found,
+        let balance = match balance {
+            Some(balance) => balance,
             None => match self.solve_cold(phi, load) {
-                Ok(found) => found,
+                Ok(balance) => balance,
                 Err(error) => {
-                    let found = self.solve_from_beside(phi, load);
-                    found.ok_or_else(|| self.explained(error))?
+                    let balance = self.solve_from_beside(phi, load);
+                    balance.ok_or_else(|| self.explained(error))?
                 }
             },
         };
         if self.floated.len() == REMEMBERED {
             self.floated.remove(0);
         }
-        self.floated.push((found.clone(), load));
-        Ok(found)
+        self.floated.push((balance.clone(), load));
+        Ok(balance)
     }
 
     /// Solves the balance from those of input angles beside it. Under light loads contacts open and close on the way from a heavy
@@ -99,7 +99,7 @@ impl Statics<'_> {
                         phi
                     };
                     match self.continue_from(&here, next, load) {
-                        Some(found) => here = found,
+                        Some(balance) => here = balance,
                         None if step.abs() > LEAST_BESIDE * mesh => step *= 0.5,
                         None => return None,
                     }
@@ -142,7 +142,7 @@ impl Statics<'_> {
                 false => load.signum() * (at / part).abs().min(load.abs()),
             };
             match self.continue_from(&here, phi, next) {
-                Some(found) => (here, at) = (found, next),
+                Some(balance) => (here, at) = (balance, next),
                 None => part = f64::min(next / at, at / next).sqrt(),
             }
             if part * LEAST_GROWTH > 1.0 {
@@ -158,18 +158,18 @@ impl Statics<'_> {
     /// Solves the equilibrium of floating discs by continuation from that of rigid bearings.
     fn continue_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let rigid = self.solve_rigid(phi, load)?;
-        let whole = self.problem(phi, load, &self.carrier);
-        let mut u = whole.unknowns(&rigid.bodies, self.gearbox.layout);
+        let full = self.problem(phi, load, &self.carrier);
+        let mut u = full.unknowns(&rigid.bodies, self.gearbox.layout);
         // Forces of the contacts alone, which the bearings will carry.
-        let contacts = self.residual(&whole, &u);
+        let contacts = self.residual(&full, &u);
         let (seats, forces) = self.carried(&rigid, contacts.as_slice());
         let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
         let most = most.fold(0.0, f64::max);
-        if most <= LEFT * whole.size.force {
-            return Ok(self.equilibrium(&whole, &u, (contacts, None)));
+        if most <= LEFT * full.size.force {
+            return Ok(self.equilibrium(&full, &u, (contacts, None)));
         }
         let carrier = self.carrier.clone();
-        let mut share = (FIRST * whole.size.length / carrier.offset_under(most)).min(1.0);
+        let mut share = (FIRST * full.size.length / carrier.offset_under(most)).min(1.0);
         for (disc, forces) in u[1..].chunks_mut(OF_A_DISC).zip(&forces) {
             for (&seat, &[fx, fy]) in seats.iter().zip(forces) {
                 let size = fx.hypot(fy);
@@ -195,10 +195,10 @@ impl Statics<'_> {
             if let Some(balanced) = self.newton(&shared, &mut there, None) {
                 if share >= 1.0 {
                     let (u, balanced) = match carrier.cranks() {
-                        Some(_) => self.loosened(&whole, there).ok_or_else(none)?,
+                        Some(_) => self.loosened(&full, there).ok_or_else(none)?,
                         None => (there, balanced),
                     };
-                    return Ok(self.equilibrium(&whole, &u, balanced));
+                    return Ok(self.equilibrium(&full, &u, balanced));
                 }
                 before = Some((share, there));
             } else {
@@ -219,14 +219,14 @@ impl Statics<'_> {
 
     /// Continues from the balance on bearings without clearance to that with full clearance. Each step moves discs by the
     /// additional clearance of their bearings, along their present offsets.
-    fn loosened(&mut self, whole: &Problem, mut u: Vec<f64>) -> Option<(Vec<f64>, Balanced)> {
+    fn loosened(&mut self, full: &Problem, mut u: Vec<f64>) -> Option<(Vec<f64>, Balanced)> {
         let (mut share, mut step, mut left) = (0.0, 1.0, None);
         let carrier = self.carrier.clone();
         let cranks = carrier.cranks()?;
         let layout = self.gearbox.layout;
         while share < 1.0 && step > LEAST_LOOSER {
             let next = f64::min(share + step, 1.0);
-            self.place(whole, &u);
+            self.place(full, &u);
             let mut there = u.clone();
             for (i, disc) in there[1..].chunks_mut(OF_A_DISC).enumerate() {
                 for (k, body) in layout.internal_bodies().enumerate() {
@@ -238,9 +238,9 @@ impl Statics<'_> {
                 }
             }
             let looser = Arc::new(carrier.share(1.0, next));
-            let looser = self.problem(whole.phi, whole.load, &looser);
+            let looser = self.problem(full.phi, full.load, &looser);
             match self.newton(&looser, &mut there, None) {
-                found @ Some(_) => (share, u, step, left) = (next, there, 2.0 * step, found),
+                root @ Some(_) => (share, u, step, left) = (next, there, 2.0 * step, root),
                 None => step *= 0.5,
             }
         }

@@ -1,9 +1,9 @@
-//! Balances with friction: everything that rubs slides, in a direction that a slow motion gives.
+//! Balances with friction: every sliding contact slides in the direction of a slow motion.
 //!
-//! Two motions give it. In the first the input turns under a constant load, and parts slide as in the ideal mesh. In the second
-//! the input is locked, the load rises or falls, and parts slide as the balance moves: du/dT = -J^-1 e, with J the derivatives of
-//! the residual with friction and e the output's moment. Sliding and balance are found in turn. Damping and inertia have no part.
-//! Pins that turn without a stated friction of their own roll freely.
+//! There are two such motions. In the first the input turns under a constant load, and parts slide as in the ideal mesh. In the
+//! second the input is locked, the load rises or falls, and parts slide as the balance moves: du/dT = -J^-1 e. J is the
+//! Jacobian of the residual with friction, and e the output's moment. Sliding and balance are solved alternately. Damping and
+//! inertia are left out. Pins that turn without a stated friction of their own roll freely.
 
 use std::sync::Arc;
 
@@ -24,8 +24,8 @@ const SLIDES_RAD_S: f64 = 1e4;
 /// Most rounds of sliding and balance, and the change of a balance that ends them, relative to the contacts' depths and twists.
 const ROUNDS: usize = 24;
 const KNOWN: f64 = 1e-6;
-/// Speed of the output at which nearly nothing rubs, rad/s: friction fades below a sliding of some 1 rad/s. Where the rounds fail
-/// because parts stick, they begin here, and go on to a higher speed and to full sliding in turn.
+/// Speed of the output at which friction almost vanishes, rad/s: it fades below a sliding of some 1 rad/s. If the rounds fail
+/// because parts stick, they begin here and go on to a higher speed, then to full sliding.
 const CREEPS_RAD_S: f64 = 1e-4;
 /// Growth factor of that speed, replaced by its square root where it fails, and the least factor.
 const GROWTH: f64 = 4.0;
@@ -34,7 +34,7 @@ const LEAST_GROWTH: f64 = 1.05;
 /// Balance, rates of its unknowns, and inverse derivatives of the rates that they miss.
 type Sliding = (Equilibrium, DVector<f64>, DMatrix<f64>);
 
-/// Leaves of a scene what slow motion has.
+/// Returns the scene reduced to the properties that act in slow motion.
 pub fn slow(mut scene: Scene) -> Scene {
     let (contact, bearings) = (&mut scene.contact, &mut scene.bearings);
     (contact.damping_n_s_m, contact.restitution) = (0.0, 1.0);
@@ -46,7 +46,7 @@ pub fn slow(mut scene: Scene) -> Scene {
 }
 
 impl<'a> Statics<'a> {
-    /// Creates the solver of a gear in slow motion; `None`: nothing rubs.
+    /// Creates the solver of a gear in slow motion; `None` without friction.
     ///
     /// # Errors
     /// See [`Gearbox::contact_field`].
@@ -63,8 +63,8 @@ impl<'a> Statics<'a> {
         Ok(Some(statics))
     }
 
-    /// Solves the balance under `load` (N m) while the input turns, from the one without friction at its angle. `way`: 1 in the
-    /// scene's direction, -1 in the other.
+    /// Solves the balance under `load` (N m) while the input turns, from the balance without friction at its angle. `way` is 1
+    /// in the scene's direction, -1 in the opposite one.
     ///
     /// # Errors
     /// [`GearboxError::Sticks`]
@@ -114,8 +114,8 @@ impl<'a> Statics<'a> {
         let (mut speed, mut next, mut growth) = (CREEPS_RAD_S, SLIDES_RAD_S, GROWTH);
         while growth > LEAST_GROWTH {
             match self.settle(&problem, here.clone(), way, next) {
-                Some((found, ..)) if next >= SLIDES_RAD_S => return Ok(found),
-                Some(found) => (here, speed, next) = (found, next, SLIDES_RAD_S),
+                Some((balance, ..)) if next >= SLIDES_RAD_S => return Ok(balance),
+                Some(balance) => (here, speed, next) = (balance, next, SLIDES_RAD_S),
                 None => {
                     if next < SLIDES_RAD_S {
                         growth = growth.sqrt();
@@ -127,27 +127,27 @@ impl<'a> Statics<'a> {
         Err(GearboxError::Sticks)
     }
 
-    /// Finds the balance whose friction is that of its own rates, with the output at `speed` (rad/s), by Broyden's method from a
-    /// near one.
+    /// Solves the balance whose friction belongs to its own rates, with the output at `speed` (rad/s), by Broyden's method from
+    /// a near balance.
     fn settle(
         &mut self,
         problem: &Problem,
-        (mut found, mut rates, mut inverse): Sliding,
+        (mut balance, mut rates, mut inverse): Sliding,
         way: f64,
         speed: f64,
     ) -> Option<Sliding> {
         let mut last: Option<[DVector<f64>; 2]> = None;
         for _ in 0..ROUNDS {
             self.motion = self.along(problem, &(&rates * speed));
-            let before = found;
-            found = self.slide(&before, problem.load).ok()?;
+            let before = balance;
+            balance = self.slide(&before, problem.load).ok()?;
             let [u, next] =
-                [&before, &found].map(|at| problem.unknowns(&at.bodies, self.gearbox.layout));
+                [&before, &balance].map(|at| problem.unknowns(&at.bodies, self.gearbox.layout));
             let moved = problem.moved(next.iter().zip(&u).map(|(next, u)| next - u));
             if last.is_some() && moved < KNOWN {
-                return Some((found, rates, inverse));
+                return Some((balance, rates, inverse));
             }
-            let missed = self.rates(problem, &found, way).ok()? - &rates;
+            let missed = self.rates(problem, &balance, way).ok()? - &rates;
             if let Some([before, step]) = &last {
                 update(&mut inverse, 1.0, step, &(&missed - before));
             }
@@ -200,8 +200,8 @@ impl<'a> Statics<'a> {
             order: 0,
             ..near.clone()
         };
-        let found = self.continue_from(&near, near.input, load);
-        found.ok_or(GearboxError::Sticks)
+        let balance = self.continue_from(&near, near.input, load);
+        balance.ok_or(GearboxError::Sticks)
     }
 
     /// Returns the driver's torque at a balance in which the input [turns](Self::turning), N m: by virtual work along the rates
@@ -219,8 +219,8 @@ impl<'a> Statics<'a> {
     }
 }
 
-/// Returns the efficiency of a motion under `load` (N m) whose driver has this mean torque, N m; either shaft may drive. Not
-/// above 0 where the gear locks itself.
+/// Returns the efficiency of a motion under `load` (N m) with this mean driver torque, N m; either shaft may drive. A gear that
+/// locks itself has at most 0.
 pub fn slow_efficiency(gearbox: &Gearbox, driver_n_m: f64, load: f64) -> f64 {
     let delivered = -load * gearbox.geometry.ideal_output_angle(1.0);
     match delivered * speed_profile::fastest_rad_s(&gearbox.scene.drive) > 0.0 {

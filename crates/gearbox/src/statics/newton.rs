@@ -83,8 +83,8 @@ fn release_idle(step: &mut DVector<f64>, last: &mut DVector<f64>) {
 }
 
 impl Statics<'_> {
-    /// Solves by Newton's method from `u`, with halved steps, starting with the `inverse` of a near balance if there is one.
-    /// `None`: no progress, or teeth have jumped.
+    /// Solves by Newton's method with halved steps from `u`, starting with the `inverse` of a near balance if there is one.
+    /// `None` without progress, or if teeth have jumped.
     pub(super) fn newton(
         &mut self,
         problem: &Problem,

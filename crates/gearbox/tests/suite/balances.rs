@@ -41,7 +41,7 @@ fn equilibrium_start_has_no_transient() {
             let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
             let run = native::run(&gearbox, &mut |_| false)
                 .unwrap()
-                .whole()
+                .finished()
                 .unwrap();
             run.time_series
                 .channel("input_torque_n_m")
@@ -140,7 +140,7 @@ fn slow_runs_tend_to_the_statics() {
         let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = native::run(&gearbox, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let output = run.time_series.channel("output_angle_rad").unwrap();

@@ -20,7 +20,7 @@ fn run(preset: &str, duration_s: f64, channels: &[&str], sets: &[(&str, &str)]) 
         &mut |_| false,
     )
     .unwrap()
-    .whole()
+    .finished()
     .unwrap()
 }
 

@@ -20,7 +20,7 @@ fn gearbox(sets: &[&str], channels: &[&str]) -> Gearbox {
 fn last(gearbox: &Gearbox) -> Vec<f64> {
     let run = native::run(gearbox, &mut |_| false)
         .unwrap()
-        .whole()
+        .finished()
         .unwrap();
     let channels = run.time_series.channels().iter();
     channels.map(|c| *c.values.last().unwrap()).collect()

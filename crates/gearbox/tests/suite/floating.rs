@@ -74,7 +74,7 @@ fn both_forms_agree() {
             };
             let sets = [&common[..], &bearing[..], &[&form]].concat();
             let run = native::run(&gearbox(preset, &sets), &mut |_| false).unwrap();
-            run.whole().unwrap().time_series
+            run.finished().unwrap().time_series
         });
         let off = gearbox(preset, &NEEDLES).distance(&courses[0], &courses[1]);
         let most = if friction.ends_with(".1") { 2e-4 } else { 1e-6 };
@@ -356,7 +356,7 @@ fn equilibrium_start_has_no_transient() {
     ]
     .concat();
     let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
-    let torque = run.whole().unwrap().time_series;
+    let torque = run.finished().unwrap().time_series;
     let torque = torque.channel("input_torque_n_m").unwrap();
     let (early, late) = torque.split_at(torque.len() / 2);
     let reach = |part: &[f64]| {

@@ -294,7 +294,7 @@ fn published_measured_order_78_by_a_ring_that_gives_way() {
 fn driver_torque(preset: &str) -> [f64; 2] {
     let gearbox = load(preset, &["solver.integrator=\"auto\""]);
     let run = native::run(&gearbox, &mut |_| false).unwrap();
-    let series = run.whole().unwrap().time_series;
+    let series = run.finished().unwrap().time_series;
     let torque = series.channel("input_torque_n_m").unwrap();
     let steady = &torque[torque.len() / 2..];
     let n = steady.len() as f64;

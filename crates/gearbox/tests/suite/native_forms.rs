@@ -18,7 +18,7 @@ fn solve(scene: &Scene) -> NativeRun {
         &mut |_| false,
     )
     .unwrap()
-    .whole()
+    .finished()
     .unwrap()
 }
 
@@ -192,7 +192,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
         }
         other => panic!("expected a divergence, got {other:?}"),
     }
-    assert!(partial.whole().is_err());
+    assert!(partial.finished().is_err());
 }
 
 /// A disc that jumped a tooth, and an output off its holes, are reported by name; free play is not.
@@ -400,9 +400,9 @@ fn samples_alone_are_those_of_the_whole_run() {
         scene.solver.step_s = 2e-6;
         scene.solver.duration_s = 0.01;
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-        let whole = run(&gearbox, &mut |_| false).unwrap().whole().unwrap();
+        let whole = run(&gearbox, &mut |_| false).unwrap().finished().unwrap();
         let seen = run_at_samples(&gearbox, &mut |_| false);
-        let seen = seen.unwrap().whole().unwrap();
+        let seen = seen.unwrap().finished().unwrap();
         let off = relative_l2(&with_load(&seen), &with_load(&whole));
         println!("{preset} by {method}: {off:.1e}");
         assert!(
@@ -429,7 +429,7 @@ fn a_constant_offset_is_an_equidistant_modification() {
         let gearbox = Gearbox::new(&scene).unwrap();
         native::run(&gearbox, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap()
             .time_series
     };

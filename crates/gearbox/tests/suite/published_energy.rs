@@ -8,7 +8,7 @@ fn run(scene: &Scene) -> native::NativeRun {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false)
         .unwrap()
-        .whole()
+        .finished()
         .unwrap()
 }
 

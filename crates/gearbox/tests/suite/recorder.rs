@@ -1,6 +1,6 @@
 //! Recording of samples, and removal of the last one.
 
-use pinwheel_gearbox::channels::{LawPairs, Seen};
+use pinwheel_gearbox::channels::{EngineState, LawPairs};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_mbs::{Observation, Wrench};
@@ -68,7 +68,7 @@ fn channels_are_taken_out_with_their_sample() {
     assert!(recorder.wants_channels());
     for torque in [1.0, 2.0] {
         recorder.record(torque, torque, &bodies, &mut field);
-        recorder.record_channels(&mut Seen {
+        recorder.record_channels(&mut EngineState {
             bodies: &bodies,
             driver_torque_n_m: torque,
             reactions: None,

@@ -179,7 +179,7 @@ fn the_best_run_is_kept() {
     let run = Rc::new(
         native::run(&light, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap(),
     );
     let mut search = search(&light, 1e-3, 0);

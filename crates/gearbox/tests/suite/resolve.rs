@@ -29,7 +29,7 @@ fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
         &mut |_| false,
     )
     .unwrap()
-    .whole()
+    .finished()
     .unwrap()
 }
 
@@ -175,7 +175,7 @@ fn regress_small_forces_are_judged_too() {
             .unwrap();
         native::run(&gearbox, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap()
             .time_series
     };

@@ -31,7 +31,7 @@ fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
 
 fn run(gearbox: &Gearbox) -> NativeRun {
     let run = native::run(gearbox, &mut |_| false).unwrap();
-    run.whole().unwrap()
+    run.finished().unwrap()
 }
 
 /// Moments of the forces on ring and on output pins, or of cranks, about the gear's axis, N m.

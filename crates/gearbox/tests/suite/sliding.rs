@@ -9,7 +9,7 @@ fn columns(scene: &Scene, kernel: Kernel) -> Vec<Vec<f64>> {
     gearbox.kernel = kernel;
     let run = native::run(&gearbox, &mut |_| false)
         .unwrap()
-        .whole()
+        .finished()
         .unwrap();
     let channels = run.time_series.channels().iter();
     channels.map(|channel| channel.values.clone()).collect()

@@ -153,7 +153,7 @@ fn published_seat_in_series() {
     }
     let [one, other] = [&seated, &whole].map(|gear| {
         let run = native::run(gear, &mut |_| false).unwrap();
-        run.whole().unwrap().time_series
+        run.finished().unwrap().time_series
     });
     // Both dampers see the contact's share of the rate, and one of the two gears has all of it.
     let off = seated.distance(&one, &other);
@@ -222,7 +222,7 @@ fn crossval_a_run_stands_where_statics_does() {
     .concat();
     let gearbox = gearbox(&sets);
     let run = native::run(&gearbox, &mut |_| false).unwrap();
-    let run = run.whole().unwrap().time_series;
+    let run = run.finished().unwrap().time_series;
     let mut statics = Statics::new(&gearbox).unwrap();
     let (angles, times) = (run.channel("output_angle_rad").unwrap(), run.time_s());
     for (angle, time) in angles.iter().zip(times) {

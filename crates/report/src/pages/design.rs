@@ -422,7 +422,7 @@ fn efficiency(design: &DesignResult) -> Section {
             Some(run.efficiency?.created_share)
         })
         .unit("%")
-        .said(|run| Some(format::signed_percent(run.efficiency?.created_share)))
+        .display(|run| Some(format::signed_percent(run.efficiency?.created_share)))
         .text("", "Run", |run| run.status);
     Section::new("efficiency", "Efficiency")
         .with(

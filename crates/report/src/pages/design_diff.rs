@@ -78,7 +78,7 @@ pub fn text(diff: &DesignDiff) -> String {
     let means = steady(diff).filter(|row| SERIES.contains(&&*row.def.key));
     let all = derived.chain(&diff.figures).chain(means);
     let figures = both(diff, "", all)
-        .said(|row| match row.judged {
+        .display(|row| match row.judged {
             Judged::BelowUncertainty => "not shown".to_owned(),
             _ => change(row),
         })
@@ -247,11 +247,11 @@ fn both<'a>(
     for (k, name) in diff.names.iter().enumerate() {
         table = table
             .number("", name, |row| row.values[k])
-            .said(|row| shown(row, k));
+            .display(|row| shown(row, k));
     }
     table
         .number("", "Change", |row| row.change())
-        .said(|row| change(row))
+        .display(|row| change(row))
 }
 
 /// Returns a table of figures of both designs, their change and its verdict.

@@ -41,11 +41,11 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ("solver.sample_s", solver.sample_s),
     ] {
         if length > duration {
-            let [length, whole] = [length, duration].map(short);
+            let [length, total] = [length, duration].map(short);
             return Err(Fault::new(
                 &[key, "solver.duration_s"],
-                format!("is {length} s, longer than the whole run of {whole} s"),
-                format!("give at most {whole} s, or a longer solver.duration_s"),
+                format!("is {length} s, longer than the whole run of {total} s"),
+                format!("give at most {total} s, or a longer solver.duration_s"),
             ));
         }
     }

@@ -16,7 +16,7 @@ const ROUNDING: f64 = 1e-12;
 const TIGHT: f64 = 0.8;
 
 /// Checks a gear with single values in range.
-pub(super) fn whole(gear: &Gear) -> Result<(), Fault> {
+pub(super) fn entire(gear: &Gear) -> Result<(), Fault> {
     outside(gear)?;
     internal_sleeves(gear)?;
     neighbours(gear)?;

@@ -56,7 +56,7 @@ pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
 /// Checks that a gear with single values in range can be built.
 pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     let tried = |fault| remedy::tried(gear, gives_circle, fault);
-    geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
+    geometry::entire(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
 }
 
 pub use believable::doubts;

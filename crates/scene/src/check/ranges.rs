@@ -55,12 +55,12 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
             );
             Err(fault(what, meant(row, range, *number)))
         }
-        (Kind::Count(low, high), Value::Integer(whole)) => {
-            let inside = usize::try_from(*whole).is_ok_and(|whole| (low..=high).contains(&whole));
+        (Kind::Count(low, high), Value::Integer(n)) => {
+            let inside = usize::try_from(*n).is_ok_and(|n| (low..=high).contains(&n));
             if inside {
                 return Ok(());
             }
-            let what = format!("is {whole}, but must be from {low} to {high}");
+            let what = format!("is {n}, but must be from {low} to {high}");
             Err(fault(what, row.hint.to_owned()))
         }
         (Kind::Choice(what, names) | Kind::Choices(what, names), value) => {
@@ -97,10 +97,10 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
             let Some(number) = list.iter().position(outside) else {
                 return Ok(());
             };
-            let found = list[number].as_float().unwrap_or_default();
+            let actual = list[number].as_float().unwrap_or_default();
             let what = format!(
                 "holds {} as entry {number}, but entries must be {}",
-                short(found),
+                short(actual),
                 range.words()
             );
             Err(fault(what, row.hint.to_owned()))
@@ -110,11 +110,11 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
                 for inner in rows {
                     if let Some(value) = entry.get(inner.name) {
                         let full = format!("{key}[{number}].{}", inner.name);
-                        let whole = |mut fault: Fault| {
+                        let named = |mut fault: Fault| {
                             fault.keys.push(key.clone());
                             fault
                         };
-                        one(inner, full.into(), value).map_err(whole)?;
+                        one(inner, full.into(), value).map_err(named)?;
                     }
                 }
             }
@@ -124,10 +124,10 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Young's moduli of what gears are made of, Pa.
+/// Young's moduli of gear materials, Pa.
 const SOLID_PA: std::ops::RangeInclusive<f64> = 1e9..=1.3e12;
 
-/// The row's hint, with what was meant where another unit would do: a length in millimetres, a modulus in GPa or MPa.
+/// Returns the row's hint, with the probable meaning if another unit fits: a length in millimetres, a modulus in GPa or MPa.
 fn meant(row: &Key, range: Range, number: f64) -> String {
     let factors: &[f64] = match row.unit() {
         "m" => &[1e-3],

@@ -54,35 +54,35 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     if own || gear.wheels * gear.internal_sleeves > MOST_HOLES {
         return fault;
     }
-    let whole: Builds = |gear| geometry::whole(gear).is_ok();
+    let checked: Builds = |gear| geometry::entire(gear).is_ok();
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
     // Keys named by the fault come first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
     let single = |builds| single(gear, gives_circle, builds);
-    let mut ways = single(whole);
-    if ways.is_empty() {
-        ways.extend(output_stage(gear, gives_circle));
+    let mut changes = single(checked);
+    if changes.is_empty() {
+        changes.extend(output_stage(gear, gives_circle));
     }
     // With two faults at once, first that of the profile, then the other.
-    if ways.is_empty() && !outside(gear) {
-        ways = single(outside);
-        if ways.is_empty() {
-            ways.extend(external_stage(gear, gives_circle));
+    if changes.is_empty() && !outside(gear) {
+        changes = single(outside);
+        if changes.is_empty() {
+            changes.extend(external_stage(gear, gives_circle));
         }
     }
-    if ways.is_empty() {
+    if changes.is_empty() {
         return fault;
     }
-    if ways.iter().any(|way| way.far < ANOTHER_GEAR) {
-        ways.retain(|way| way.far < ANOTHER_GEAR);
+    if changes.iter().any(|change| change.far < ANOTHER_GEAR) {
+        changes.retain(|change| change.far < ANOTHER_GEAR);
     }
-    let far = |way: &Way| (place(way.key).unwrap_or(usize::MAX), way.far);
-    ways.sort_by(|a, b| {
+    let far = |change: &Remedy| (place(change.key).unwrap_or(usize::MAX), change.far);
+    changes.sort_by(|a, b| {
         far(a)
             .partial_cmp(&far(b))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    let words = ways.into_iter().take(OFFERED).map(|way| way.words);
+    let words = changes.into_iter().take(OFFERED).map(|change| change.words);
     Fault {
         remedy: format!("would do: {}", words.collect::<Vec<_>>().join(", or ")),
         ..fault
@@ -90,7 +90,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
 }
 
 /// Change that makes a gear buildable.
-struct Way {
+struct Remedy {
     key: &'static str,
     /// Magnitude of the logarithmic change.
     far: f64,
@@ -98,8 +98,8 @@ struct Way {
 }
 
 /// Returns the changes of a single value.
-fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
-    let mut ways = Vec::new();
+fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Remedy> {
+    let mut changes = Vec::new();
     for (key, of) in VALUES {
         let from = *of(&mut gear.clone());
         let put = |value: f64| {
@@ -115,24 +115,24 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
             in_range(key, value) && !meant.is_empty() && meant.iter().all(builds)
         };
         let far = |value: f64| (value / from).ln().abs();
-        let mut found: Vec<f64> = [RATIO, 1.0 / RATIO]
+        let mut values: Vec<f64> = [RATIO, 1.0 / RATIO]
             .into_iter()
             .filter_map(|ratio| {
                 let mut steps = (1..=TRIED).map(|k| from * ratio.powi(k));
                 edge(from, steps.find(|value| fits(*value))?, &fits)
             })
             .collect();
-        if key.starts_with("gear.modification.") && found.is_empty() && fits(0.0) {
-            found.push(0.0);
+        if key.starts_with("gear.modification.") && values.is_empty() && fits(0.0) {
+            values.push(0.0);
         }
-        found.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
-        ways.extend(found.first().map(|value| Way {
+        values.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
+        changes.extend(values.first().map(|value| Remedy {
             key,
             far: far(*value),
             words: in_words(gear, gives_circle, key, *value),
         }));
     }
-    ways
+    changes
 }
 
 /// Returns the value of few digits that still fits next to the limit between `bad` and `good`, located by bisection.
@@ -191,7 +191,7 @@ fn in_words(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
 }
 
 /// Returns a change of the profile: no modification, a usual m, and pins and backlash that fit.
-fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
+fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Remedy> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();
     fitting.modification = crate::model::Modification::default();
@@ -210,7 +210,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
         let [before, after] = [gear, &fitting].map(|gear| *of(&mut gear.clone()));
         (before != after).then(|| in_words(gear, gives_circle, key, after))
     });
-    Some(Way {
+    Some(Remedy {
         key: "",
         far: 0.0,
         words: changed.collect::<Vec<_>>().join(" and "),
@@ -218,7 +218,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
 }
 
 /// Returns new pins and holes on the present or another circle; without room for them also a smaller eccentricity.
-fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
+fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Remedy> {
     let smaller = (0..30).map(|k| {
         if k == 0 {
             return gear.clone();
@@ -248,7 +248,7 @@ fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
             hole_radius_m: hole,
             ..
         } = fitting;
-        Some(Way {
+        Some(Remedy {
             key: "",
             far: 0.0,
             words: format!(
@@ -279,5 +279,5 @@ fn with_output_stage(gear: &Gear) -> Option<Gear> {
     });
     let mut fitting =
         fitting.filter(|gear| gear.internal_sleeve_radius_m > 0.1 * gear.eccentricity_m);
-    fitting.find(|gear| geometry::whole(gear).is_ok())
+    fitting.find(|gear| geometry::entire(gear).is_ok())
 }

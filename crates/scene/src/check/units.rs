@@ -49,7 +49,7 @@ pub(super) fn guess(gear: &Gear) -> Option<Fault> {
         // A shortening that follows from R changes too, and R stays.
         let mut same_circle = meant.clone();
         same_circle.shortening *= 1e-3;
-        if geometry::whole(&meant).is_ok() || geometry::whole(&same_circle).is_ok() {
+        if geometry::entire(&meant).is_ok() || geometry::entire(&same_circle).is_ok() {
             let [typed, meant] = [typed, 1e-3 * typed].map(short);
             return Some(Fault::new(
                 &[key],

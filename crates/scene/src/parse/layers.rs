@@ -215,7 +215,7 @@ impl Layers {
         }
     }
 
-    /// Removes what the base, or under an override the file, gives for a key that follows from this one at `place`.
+    /// Removes the values from the base, or under an override from the file, for a key that follows from this one at `place`.
     fn drop_earlier_twin(&mut self, key: &str, place: &Location) {
         let twin = match key {
             PITCH => SHORTENING,
@@ -355,8 +355,8 @@ pub(super) fn located(
         Location::Line { .. } | Location::File { .. } => 2,
         Location::Default { .. } => 3,
     };
-    let found = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));
-    let place = found
+    let known = fault.keys.iter().filter_map(|key| places.get(key.as_ref()));
+    let place = known
         .min_by_key(rank)
         .cloned()
         .unwrap_or_else(|| Location::Default {

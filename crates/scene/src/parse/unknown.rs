@@ -53,7 +53,7 @@ pub(super) fn unknown(
         )
     } else if let Some((near, factor)) = quantity::of_another_unit(&key) {
         let number = match node.value() {
-            Value::Integer(whole) => Some(whole as f64),
+            Value::Integer(n) => Some(n as f64),
             Value::Float(number) => Some(number),
             _ => None,
         };
@@ -71,7 +71,7 @@ pub(super) fn unknown(
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
-/// Parts of names of features beyond the model, and what it offers instead.
+/// Parts of names of features beyond the model, with the feature that replaces each.
 const OUT_OF_SCOPE: &[(&str, &str)] = &[
     (
         "lobes",

@@ -9,7 +9,7 @@ use crate::quantity;
 /// Reads a value of the row's kind; an error is the fault and the remedy.
 pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, String)> {
     let number = |value: &Value| match value {
-        Value::Integer(whole) => Some(Value::Float(*whole as f64)),
+        Value::Integer(n) => Some(Value::Float(*n as f64)),
         Value::Float(_) => Some(value.clone()),
         _ => None,
     };
@@ -19,17 +19,14 @@ pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, Strin
         _ => None,
     };
     let value = node.value();
-    let (found, wanted, remedy) = match row.kind {
+    let (read, wanted, remedy) = match row.kind {
         Kind::Number(_) => (
             number(&value),
             "a number",
             "write it without quotes and unit, for example 0.006",
         ),
         Kind::Count(..) => (
-            value
-                .as_integer()
-                .filter(|&whole| whole >= 0)
-                .map(Value::Integer),
+            value.as_integer().filter(|&n| n >= 0).map(Value::Integer),
             "a whole number, not negative",
             "write it like 16, without point or quotes",
         ),
@@ -49,7 +46,7 @@ pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, Strin
             (text(&value), "text", "write it in quotes")
         }
     };
-    found.ok_or_else(|| {
+    read.ok_or_else(|| {
         let what = format!("is {}, but must be {wanted}", node.words());
         let typed = value
             .as_str()

@@ -1,4 +1,5 @@
-//! Friction in figures of balances: forces and driver's torque while the input turns, and the loop of a load with the input locked.
+//! Friction in figures of balances: forces and driver torque while the input turns, and the loop of a load with the input
+//! locked.
 
 use pinwheel_gearbox::GearboxError;
 use pinwheel_gearbox::statics::{Equilibrium, Statics, slow_efficiency};
@@ -13,7 +14,7 @@ use super::spread::{ARCMIN, Spread};
 use crate::StudyError;
 use crate::control::of_scene;
 
-/// Figures that friction changes by the forces: without a balance there are none.
+/// Figures that depend on forces under friction; without a balance with friction they have no value.
 static OF_FORCES: [&FigureDef; 14] = [
     &defs::EXTERNAL_FORCE,
     &defs::INTERNAL_FORCE,
@@ -30,11 +31,12 @@ static OF_FORCES: [&FigureDef; 14] = [
     &defs::PIN_BENDING,
     &defs::WALL_SHEAR,
 ];
-/// Why there is no efficiency of slow motion.
+/// Reason for a missing efficiency of slow motion.
 const ALL_ROLL: &str = "all pins roll on the discs and none rubs on its own pin, so slow motion loses nothing; state \
                         bearings.sleeve_friction_coefficient, or pins that do not turn";
-/// Why there is no width of the loop. Under a falling load friction may hold a disc that one crank carries nearly alone anywhere in the
-/// clearance of its other bearings: its instant centre, through which all forces on the ring pass, is near that crank.
+/// Reason for a missing width of the loop. Under a falling load friction may hold a disc that one crank carries nearly alone
+/// anywhere in the clearance of its other bearings: its instant centre, through which all forces on the ring pass, is near that
+/// crank.
 const HISTORY: &str = "no balance of a rising and falling load was found at some input angle: parts stick there, such as a disc in its \
                        bearings' clearance, and where depends on earlier loads; a gear without clearance has a width";
 /// Loads of the loop, as shares of the rated torque.
@@ -43,12 +45,12 @@ const WIDTHS: [(f64, &FigureDef); 2] = [
     (NO_LOAD, &defs::HYSTERESIS_NO_LOAD),
 ];
 
-/// Width below 0 that is no rounding, arcmin.
+/// Least width below 0 that is no rounding, arcmin.
 const SWUNG_ARCMIN: f64 = 1e-6;
 
 impl Pose {
-    /// Takes the loads with friction from the balance `at` without it: the larger of both directions of the input, and pairs and
-    /// bearings of the scene's own.
+    /// Takes the loads with friction from the balance `at` without friction: the larger of both directions of the input, and
+    /// pairs and bearings in the scene's direction.
     pub(super) fn rub(
         &mut self,
         statics: &mut Statics<'_>,
@@ -57,9 +59,9 @@ impl Pose {
         load: f64,
     ) {
         let mut turning = |way| {
-            let found = statics.turning(way, at, load).ok()?;
-            let driver_n_m = statics.driver_torque(&found, load);
-            Some((Self::loaded(statics, wanted, &found, load), driver_n_m))
+            let balance = statics.turning(way, at, load).ok()?;
+            let driver_n_m = statics.driver_torque(&balance, load);
+            Some((Self::loaded(statics, wanted, &balance, load), driver_n_m))
         };
         let Some(((ahead, driver_n_m), (back, _))) = turning(1.0).zip(turning(-1.0)) else {
             return;
@@ -78,7 +80,7 @@ impl Pose {
 }
 
 impl Balances {
-    /// Why there are no forces: no balance with friction.
+    /// Returns the reason for missing forces: no balance with friction.
     pub(crate) fn locked(&self) -> Option<String> {
         let locks = |pose: &Pose| self.rubs && pose.driver_n_m.is_none();
         self.loaded
@@ -87,7 +89,7 @@ impl Balances {
             .then(|| GearboxError::Sticks.to_string())
     }
 
-    /// Takes the values of forces and of what follows from them where there is no balance with friction.
+    /// Removes the values of forces and of dependent figures, for a gear without a balance with friction.
     pub(crate) fn withhold_forces(&self, figures: &mut [Figure]) {
         let Some(why) = self.locked() else { return };
         for figure in figures {
@@ -97,7 +99,7 @@ impl Balances {
         }
     }
 
-    /// The efficiency of slow motion; none of a gear at rest or without friction.
+    /// Returns the efficiency of slow motion; empty for a gear at rest or without friction.
     pub(crate) fn slow_efficiency(&self, statics: &Statics<'_>, working: f64) -> Vec<Figure> {
         let gearbox = statics.gearbox();
         if !gearbox.scene.rubs() || speed_profile::fastest_rad_s(&gearbox.scene.drive) == 0.0 {
@@ -116,7 +118,8 @@ impl Balances {
     }
 }
 
-/// Widths of the loop of a load that rises and falls with the input locked, at these poses; none of a gear without friction.
+/// Computes the widths of the loop of a load that rises and falls with the input locked, at these poses; empty for a gear
+/// without friction.
 ///
 /// # Errors
 /// Gears without a balance.
@@ -131,13 +134,13 @@ pub fn hysteresis(
         return Ok(Vec::new());
     };
     let mut last: [[Option<Equilibrium>; 2]; 2] = Default::default();
-    let found = both_ways(poses, gearbox, |_, phi, way| {
+    let widths = both_ways(poses, gearbox, |_, phi, way| {
         let mut widths = [None; 2];
         let last = &mut last[usize::from(way < 0.0)];
         for ((width, (share, _)), last) in widths.iter_mut().zip(WIDTHS).zip(last) {
             let load = way * share * working;
             let at = statics.track(last, phi, load).map_err(of_scene)?;
-            // Where parts stick there may be several balances: each branch is solved again from the other one.
+            // Where parts stick there may be several balances, so each branch is solved again from the other one.
             let mut both = |from: [&Equilibrium; 2]| {
                 let falls = rubs.loading(-1.0, from[0], load).ok()?;
                 Some([falls, rubs.loading(1.0, from[1], load).ok()?])
@@ -152,10 +155,10 @@ pub fn hysteresis(
         Ok(widths)
     })?;
     let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
-        // Under a falling load the output stands ahead. Where it does not, a disc has gone to the other side of its play.
+        // Under a falling load the output is ahead. Otherwise a disc has moved to the other side of its play.
         let ahead = |(width, apart): &(f64, f64)| *width >= -*apart - SWUNG_ARCMIN;
-        let widths = found.iter().flatten().map(|widths| widths[k]);
-        let widths = widths.map(|found| found.filter(ahead));
+        let widths = widths.iter().flatten().map(|widths| widths[k]);
+        let widths = widths.map(|widths| widths.filter(ahead));
         let Some(widths) = widths.collect::<Option<Vec<_>>>() else {
             return vec![def.of(None, None).withheld(HISTORY.to_owned())];
         };

@@ -15,7 +15,7 @@ use crate::fourier::{resampled, resolves};
 
 /// Share of the rated torque, to either side of 0, for lost motion.
 pub(crate) const LOST: f64 = 0.03;
-/// Orders of both meshes that poses tell apart if a transmission error is read off the polynomial through them.
+/// Number of orders of both meshes that the poses resolve, for a transmission error from the polynomial through them.
 const ORDERS: i64 = 3;
 /// Error of a figure due to balances: their angles are accurate to 2e-15 rad, forces to 1e-10.
 pub(crate) const ROUNDING: f64 = 1e-9;
@@ -28,7 +28,7 @@ pub(crate) struct Balances {
     pub(crate) meshes: Option<[usize; 2]>,
     /// True if cranks carry the discs, as in an RV gear.
     pub(crate) on_cranks: bool,
-    /// Loads are those of a slow motion in which parts rub.
+    /// True if loads are computed for a slow motion with friction.
     pub(crate) rubs: bool,
     /// Lost motion, arcmin.
     pub(crate) lost: Vec<f64>,
@@ -193,8 +193,8 @@ impl Balances {
                 all[pair.wheel].push(pair.force_n);
             }
             // Bearings without a force count too.
-            let whole = (number + 1) * cranks.count;
-            all.iter_mut().for_each(|forces| forces.resize(whole, 0.0));
+            let length = (number + 1) * cranks.count;
+            all.iter_mut().for_each(|forces| forces.resize(length, 0.0));
         }
         all
     }
@@ -246,13 +246,13 @@ pub(crate) fn balanced(def: &FigureDef, value: f64) -> Figure {
     def.of(value, ROUNDING * value.abs())
 }
 
-/// The mean or the largest of what is one figure a pose.
+/// Returns the mean or the largest value of a figure over the poses.
 pub(super) fn over(def: &FigureDef, value: f64, spread: &Spread) -> Figure {
     balanced(def, value).over(spread, ROUNDING)
 }
 
-/// Returns the figures of all poses; their uncertainty is the largest difference to those of any of the `parts`, and unknown of
-/// one part.
+/// Returns the figures of all poses. Their uncertainty is the largest difference from any of the `parts`; for one part it is
+/// unknown.
 pub(crate) fn parted(parts: usize, of: impl Fn(usize, usize) -> Vec<Figure>) -> Vec<Figure> {
     let mut figures = of(1, 0);
     if parts == 1 {

@@ -68,7 +68,7 @@ pub(crate) struct Largest {
 }
 
 impl Largest {
-    /// The larger loads of two, with another number of pairs.
+    /// Returns the larger loads of two poses, with another number of pairs.
     pub(super) fn or_larger(&self, other: &Self, touching: u32) -> Self {
         Self {
             touching,
@@ -101,7 +101,7 @@ pub(crate) struct Pose {
     pub(crate) bearings: Vec<[f64; 2]>,
     /// Force on the bearing that carries most, N.
     pub(crate) bearing_n: f64,
-    /// Driver's torque in slow motion, N m; `None`: nothing rubs, or friction leaves no balance.
+    /// Driver torque in slow motion, N m; `None` without friction, or without a balance with friction.
     pub(crate) driver_n_m: Option<f64>,
 }
 
@@ -122,7 +122,8 @@ struct Eccentric {
 }
 
 impl Pose {
-    /// Solves a pose. `near` is the balance under the same load at the previous pose, if any; on return that of this one.
+    /// Solves a pose. `near` is the balance under the same load at the previous pose, if any; on return it is the balance of
+    /// this pose.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
@@ -130,28 +131,28 @@ impl Pose {
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
-        let found = statics.track(near, phi, load)?;
-        Ok(Self::loaded(statics, wanted, found, load))
+        let balance = statics.track(near, phi, load)?;
+        Ok(Self::loaded(statics, wanted, balance, load))
     }
 
-    /// The loads of a balance.
+    /// Returns the loads of a balance.
     pub(super) fn loaded(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
-        found: &Equilibrium,
+        balance: &Equilibrium,
         load: f64,
     ) -> Self {
         let gearbox = statics.gearbox();
-        let phi = found.input;
+        let phi = balance.input;
         let (touching, cranks) = match wanted {
             Wanted::Nothing => Default::default(),
-            _ => (statics.touching(found), statics.on_cranks(found)),
+            _ => (statics.touching(balance), statics.on_cranks(balance)),
         };
         let pressure = match wanted {
             Wanted::Pairs(pressure) => Some(pressure),
             _ => None,
         };
-        let turned = gearbox.geometry.eccentric_angle(phi, found.output);
+        let turned = gearbox.geometry.eccentric_angle(phi, balance.output);
         let eccentric = |phase: &f64| {
             let angle = turned + phase;
             let (sine, cosine) = angle.sin_cos();
@@ -164,7 +165,7 @@ impl Pose {
         let eccentrics = gearbox.geometry.wheel_phases.iter().map(eccentric);
         let eccentrics: Vec<Eccentric> = eccentrics.collect();
         let mut pose = Self {
-            error_rad: found.output + gearbox.flange_twist_rad(load)
+            error_rad: balance.output + gearbox.flange_twist_rad(load)
                 - gearbox.geometry.ideal_output_angle(phi),
             largest: Default::default(),
             pairs: Vec::new(),
@@ -180,7 +181,7 @@ impl Pose {
             let mut pair = Pair::loaded(contact);
             if let Some(pressure) = pressure {
                 let eccentric = &eccentrics[contact.wheel];
-                let disc = found.bodies[gearbox.layout.wheel_bodies().start + contact.wheel];
+                let disc = balance.bodies[gearbox.layout.wheel_bodies().start + contact.wheel];
                 let centre = [disc.x, disc.y];
                 pair.pressure_pa = pressure.of(&gearbox.geometry, contact, centre, disc.angle);
                 pair.sliding_m_s = sliding_m_s(gearbox, eccentric, contact);
@@ -211,7 +212,7 @@ impl Pose {
         }
     }
 
-    /// Touching pairs of a disc.
+    /// Returns the number of touching pairs of a disc.
     pub(crate) fn touching(&self, stage: Stage) -> f64 {
         f64::from(self.largest[stage as usize].touching) / self.bearings.len() as f64
     }
@@ -317,7 +318,7 @@ pub struct Pressure {
 
 impl Pressure {
     pub(crate) fn of(poses: &[Pose], stage: Stage) -> Self {
-        let mut found = Self {
+        let mut worst = Self {
             stage,
             largest_pa: 0.0,
             largest_at_deg: 0.0,
@@ -325,15 +326,15 @@ impl Pressure {
             pressure_sliding_w_m2: 0.0,
         };
         for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
-            if pair.pressure_pa > found.largest_pa {
-                found.largest_pa = pair.pressure_pa;
-                found.largest_at_deg = pair.place_rad.to_degrees();
+            if pair.pressure_pa > worst.largest_pa {
+                worst.largest_pa = pair.pressure_pa;
+                worst.largest_at_deg = pair.place_rad.to_degrees();
             }
-            found.sliding_m_s = found.sliding_m_s.max(pair.sliding_m_s);
+            worst.sliding_m_s = worst.sliding_m_s.max(pair.sliding_m_s);
             let product = pair.pressure_pa * pair.sliding_m_s;
-            found.pressure_sliding_w_m2 = found.pressure_sliding_w_m2.max(product);
+            worst.pressure_sliding_w_m2 = worst.pressure_sliding_w_m2.max(product);
         }
-        found
+        worst
     }
 }
 
@@ -344,7 +345,7 @@ pub struct Bearing {
     pub wheel: usize,
     /// Magnitude of the force, N.
     pub force_n: Spread,
-    /// Away from the input's axis, N, over the period.
+    /// Component away from the input's axis, N, over the period.
     pub radial_n: Vec<f64>,
     /// Component counter-clockwise about the input's axis, N, over the period: times e, the torque of this disc.
     pub tangential_n: Vec<f64>,

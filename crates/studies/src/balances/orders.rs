@@ -7,7 +7,7 @@ use crate::fourier::moduli;
 
 /// Number of stored harmonics.
 const KEPT: usize = 12;
-/// Share of the largest harmonic below which one is rounding.
+/// Share of the largest harmonic below which a harmonic is rounding.
 const LEAST: f64 = 1e-6;
 
 /// Harmonic of an angle.

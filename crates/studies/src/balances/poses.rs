@@ -10,8 +10,8 @@ use crate::fourier::resolves;
 const PER_MESH: usize = 16;
 /// Largest number of poses with at least four a passage, for gears with errors whose pins meet again after many passages.
 pub const MOST: usize = 4096;
-/// Largest number of poses. Those of a large gear with errors sample passages at differing places; the +- includes the
-/// differences of their parts.
+/// Largest number of poses. For a large gear with deviations they sample tooth passages at differing places; the +- includes
+/// the differences of their parts.
 pub const MOST_OF_ALL: usize = 4 * MOST;
 /// Poses of one period.
 ///
@@ -36,8 +36,8 @@ pub struct Poses {
 
 /// Least number of poses of a part: its mean then excludes no visible harmonic of the mesh.
 const LEAST_PART: usize = 9;
-/// Least number of poses of a sweep: over 50 random gears forces are within 0.3 % of those of all poses, transmission errors
-/// within 6 %.
+/// Least number of poses of a sweep. Over 50 random gears forces are then within 0.3 % of the result with all poses, and
+/// transmission errors within 6 %.
 const LEAST_RESOLVING: usize = 48;
 
 /// Returns at least `least` equidistant angles over a period, in equal interleaved parts, and the number of parts. Every
@@ -79,8 +79,8 @@ impl Poses {
         }
     }
 
-    /// Returns the fewest poses of the same period that resolve the first four orders of both meshes, in one part; all where
-    /// parts have individual errors.
+    /// Returns the fewest poses of the same period that resolve the first four orders of both meshes, in one part. Gears whose
+    /// parts have individual errors keep all poses.
     pub(crate) fn resolving(self) -> Self {
         let passages = self.passages();
         let good = |n: &usize| alone(*n, passages) && resolves(*n, self.meshes, 4);

@@ -19,7 +19,7 @@ use crate::{Control, StudyError};
 const STIFF: [f64; 2] = [0.5, 1.0];
 /// Share of the rated torque for no load: contacts still determine the output angle.
 pub(crate) const NO_LOAD: f64 = 1e-4;
-/// Poses at which stiffness, lost motion and hysteresis are found.
+/// Number of poses for stiffness, lost motion and hysteresis.
 pub(crate) const POSES: usize = 24;
 /// Poses at which contact laws are compared.
 pub(crate) const FEW: usize = 24;
@@ -52,8 +52,9 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     Ok(gearbox.along_carrier_n_m(working))
 }
 
-/// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
-/// them; with friction where `rubs`, which needs two more under the rated load. `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
+/// Solves all balances behind the figures: the twist at a few of the poses, then the rated load and almost none at all poses.
+/// `rubs` adds friction, which takes two more balances under the rated load. `step` receives the index of the balance, its
+/// pose, and the number of poses.
 pub(crate) fn balances(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
@@ -110,7 +111,7 @@ pub fn few_figures(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Figure>
     few_figures_by(&mut statics, true, cancel)
 }
 
-/// [`few_figures`] by a solver that may know some of the balances, with friction or without.
+/// Computes [`few_figures`] by a solver that may have stored balances, with friction or without.
 pub(crate) fn few_figures_by(
     statics: &mut Statics<'_>,
     rubs: bool,
@@ -120,7 +121,7 @@ pub(crate) fn few_figures_by(
     Ok(at_poses(statics, (&poses, rubs), cancel)?.figures())
 }
 
-/// All balances that figures are read off, at some poses, with friction or without.
+/// Solves all balances behind the figures, at some poses, with friction or without.
 pub(crate) fn at_poses(
     statics: &mut Statics<'_>,
     (poses, rubs): (&Poses, bool),
@@ -135,8 +136,8 @@ pub(crate) fn at_poses(
     })
 }
 
-/// Returns the twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
-/// previous balance under the same load for [`Statics::track`].
+/// Returns the twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last` is the
+/// previous balance under the same load, for [`Statics::track`].
 pub(crate) fn twist(
     statics: &mut Statics<'_>,
     last: &mut Option<Equilibrium>,
@@ -144,9 +145,9 @@ pub(crate) fn twist(
     load: f64,
 ) -> Result<f64, GearboxError> {
     let gearbox = statics.gearbox();
-    let found = statics.track(last, phi, load)?;
+    let balance = statics.track(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
-    let output = found.output + gearbox.flange_twist_rad(load);
+    let output = balance.output + gearbox.flange_twist_rad(load);
     Ok(ARCMIN * (output - ideal) * load.signum())
 }
 
@@ -155,8 +156,8 @@ pub(crate) fn is_mirrored(gearbox: &Gearbox) -> bool {
     gearbox.scene.gear.errors.is_none()
 }
 
-/// Returns the results of `find` at every pose in both directions of the load, 1 and -1; for a mirrored gear the backward
-/// ones are those forward at the opposite pose.
+/// Returns the results of `find` at every pose in both directions of the load, 1 and -1. In a mirrored gear the backward
+/// results are the forward ones at the opposite pose.
 pub(crate) fn both_ways<T: Clone>(
     poses: &Poses,
     gearbox: &Gearbox,
@@ -178,12 +179,12 @@ pub(crate) fn along<T>(
     poses: &Poses,
     mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
 ) -> Result<Vec<T>, StudyError> {
-    let mut found: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
+    let mut results: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
     for (done, pose) in poses.walk().enumerate() {
-        found.push((pose, find(done, poses.angles[pose])?));
+        results.push((pose, find(done, poses.angles[pose])?));
     }
-    found.sort_unstable_by_key(|(pose, _)| *pose);
-    Ok(found.into_iter().map(|(_, one)| one).collect())
+    results.sort_unstable_by_key(|(pose, _)| *pose);
+    Ok(results.into_iter().map(|(_, one)| one).collect())
 }
 
 /// Returns lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
@@ -196,7 +197,7 @@ pub(crate) fn twisted(
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
     let [low, high] = STIFF;
     let mut last: [[Option<Equilibrium>; 3]; 2] = Default::default();
-    let found = both_ways(poses, gearbox, |done, phi, way| {
+    let twists = both_ways(poses, gearbox, |done, phi, way| {
         step(done)?;
         let mut twists = [0.0; 3];
         let last = &mut last[usize::from(way < 0.0)];
@@ -209,5 +210,5 @@ pub(crate) fn twisted(
     let stiff =
         |[_, low_at, high_at]: [f64; 3]| (high - low) * working.abs() / (high_at - low_at).abs();
     let of_pose = |[ahead, back]: [[f64; 3]; 2]| (ahead[0] + back[0], [stiff(ahead), stiff(back)]);
-    Ok(found.into_iter().map(of_pose).unzip())
+    Ok(twists.into_iter().map(of_pose).unzip())
 }

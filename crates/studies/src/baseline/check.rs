@@ -128,26 +128,26 @@ pub fn check(
         if every && scene.is_none() && !options.solvers.is_empty() {
             continue;
         }
-        for way in options.ways(case)? {
+        for plan in options.planned(case)? {
             let accepted = scene.and_then(|scene| {
-                let found = scene.cases.iter().find(|c| c.choice == way.name);
-                found.map(|accepted| (scene, accepted))
+                let accepted = scene.cases.iter().find(|c| c.choice == plan.name);
+                accepted.map(|accepted| (scene, accepted))
             });
-            let mut found = CaseCheck::new(&case.name, way.name);
-            match (accepted, way.refused) {
+            let mut checked = CaseCheck::new(&case.name, plan.name);
+            match (accepted, plan.refused) {
                 (Some(accepted), None) => {
-                    jobs.push(way.job);
+                    jobs.push(plan.job);
                     known.push((cases.len(), accepted));
                 }
                 (None, Some(_)) if every => continue,
                 (accepted, refused) => {
                     let remedy = || format!("`baseline record --only {}` adds it", case.name);
                     let refused = refused.map(|reason| format!("refused: {reason}"));
-                    found.trouble = Some(refused.unwrap_or_else(remedy));
-                    found.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
+                    checked.trouble = Some(refused.unwrap_or_else(remedy));
+                    checked.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
                 }
             }
-            cases.push(found);
+            cases.push(checked);
         }
     }
     let results = run_all(&jobs, options.threads, control)?;

@@ -160,8 +160,8 @@ impl Baseline {
     /// # Errors
     /// Errors of [`earlier`](Self::earlier); no such baseline, with the names of those in `dir`.
     pub fn open(dir: &Path, name: &str) -> Result<Self, StudyError> {
-        if let Some(found) = Self::earlier(&Self::folder(dir, name)?)? {
-            return Ok(found);
+        if let Some(baseline) = Self::earlier(&Self::folder(dir, name)?)? {
+            return Ok(baseline);
         }
         let remedy = match Self::names(dir).as_slice() {
             [] => "run in the project's folder, name --dir, or record one with `pinwheel baseline record`".to_owned(),
@@ -195,12 +195,12 @@ impl Baseline {
     /// Errors of [`open`](Self::open).
     pub fn list(dir: &Path) -> Result<Vec<Listed>, StudyError> {
         let read = |name: String| {
-            let found = Self::open(dir, &name)?;
+            let baseline = Self::open(dir, &name)?;
             Ok(Listed {
                 name,
-                scenes: found.scenes.len(),
-                made: found.made,
-                accepted: found.accepted,
+                scenes: baseline.scenes.len(),
+                made: baseline.made,
+                accepted: baseline.accepted,
             })
         };
         Self::names(dir).into_iter().map(read).collect()
@@ -229,23 +229,23 @@ impl Baseline {
         };
         let unread = |error: toml::de::Error| spoiled(error.message());
         let value: toml::Value = toml::from_str(text).map_err(unread)?;
-        if let Some(found) = value.get("format").and_then(toml::Value::as_integer)
-            && found != i64::from(FORMAT)
+        if let Some(format) = value.get("format").and_then(toml::Value::as_integer)
+            && format != i64::from(FORMAT)
         {
             return Err(StudyError::Input(format!(
-                "{place}: format {found} is not the one this program writes ({FORMAT}); record it anew under another name"
+                "{place}: format {format} is not the one this program writes ({FORMAT}); record it anew under another name"
             )));
         }
         if !is_finite(&value) {
             return Err(spoiled("holds a number that is not finite"));
         }
-        let found: Self = value.try_into().map_err(unread)?;
-        if found.scenes.is_empty() {
+        let read: Self = value.try_into().map_err(unread)?;
+        if read.scenes.is_empty() {
             let what = "holds no scenes, so that nothing could be compared";
             return Err(spoiled(what));
         }
-        found.sound().map_err(|what| spoiled(&what))?;
-        Ok(found)
+        read.sound().map_err(|what| spoiled(&what))?;
+        Ok(read)
     }
 
     /// Checks that `solvers` made this baseline, which is valid only for them.
@@ -329,17 +329,17 @@ impl CaseSnapshot {
         if self.quantity.is_empty() {
             return Err("holds no quantity".to_owned());
         }
-        for (quantity, found) in &self.quantity {
+        for (quantity, own) in &self.quantity {
             let label = quantity.label();
-            share("rounding", found.rounding, LARGEST_RECORDED)
+            share("rounding", own.rounding, LARGEST_RECORDED)
                 .map_err(|what| format!("{what} of the {label}"))?;
             let error = converged.get(quantity).and_then(|converged| {
-                Some(found.statistics.distance(&converged.statistics)? / converged.scale)
+                Some(own.statistics.distance(&converged.statistics)? / converged.scale)
             });
             // Stored error and figures differ only by the digits of a text file.
-            let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
+            let same = |error: f64| (error - own.error).abs() <= 1e-9 * (error + 1e-6);
             if !error.is_some_and(same) {
-                let error = found.error;
+                let error = own.error;
                 return Err(format!(
                     "error = {error:e} of the {label} is not that of its figures"
                 ));

@@ -125,12 +125,12 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
     } else {
         0.0
     };
-    let mut found = Vec::new();
+    let mut checks = Vec::new();
     // A cost may change by `share` of itself and by `room`; less is better.
     let mut add = |label, of: fn(&Costs) -> u64, share: f64, room: f64| {
         let [before, after] = [&before, after].map(|costs| of(costs) as f64);
         let limit = share * before + room;
-        found.push(CostCheck {
+        checks.push(CostCheck {
             label,
             before,
             after,
@@ -148,7 +148,7 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
         let share = limits::NEWTON_SHARE.max(share);
         add("Newton steps", |c| c.newton_steps, share, 0.0);
     }
-    found
+    checks
 }
 
 /// Returns the verdict on a case, the most urgent of its figures. More cost with less error is a trade if the largest error

@@ -82,12 +82,12 @@ impl Options {
     }
 
     /// Returns the runs of a scene: by the native choices, or by the solvers that joined.
-    fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, StudyError> {
+    fn planned<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Planned<'a>>, StudyError> {
         let names = match self.solvers.as_slice() {
             [] => &case.choices,
             _ => &self.solvers,
         };
-        let way = |name: &'a String| {
+        let plan = |name: &'a String| {
             let solver = self.solvers.contains(name).then(|| name.clone());
             let sets = if solver.is_some() { &[] } else { sets(name) };
             let scene = case.scene(sets)?;
@@ -102,19 +102,19 @@ impl Options {
                 kernel: self.kernel,
                 solver,
             };
-            Ok(Way {
+            Ok(Planned {
                 name,
                 sets,
                 refused,
                 job,
             })
         };
-        names.iter().map(way).collect()
+        names.iter().map(plan).collect()
     }
 }
 
 /// Run of a scene of the set by a native choice or a solver that joined.
-struct Way<'a> {
+struct Planned<'a> {
     /// Name in the baseline.
     name: &'a str,
     /// Keys set by the choice.
@@ -154,7 +154,7 @@ pub fn write(
     check: &Check,
     baseline: &Baseline,
     dir: &Path,
-    made: &Provenance,
+    origin: &Provenance,
 ) -> Result<(), OutputError> {
     let accepted = &baseline.accepted;
     let answers = check.answers(name);
@@ -163,5 +163,5 @@ pub fn write(
         accepted,
         check,
     };
-    Summary::new(made, checked).write(dir)
+    Summary::new(origin, checked).write(dir)
 }

@@ -1,9 +1,9 @@
 //! Stage that changed since the acceptance of a case.
 //!
 //! ```text
-//! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
-//!                   where they are the same: equations, if joints moved most, or integration
-//! a solver's        its present run at its own states
+//! native solver     accepted converged figures against the present model with suspected changes: the model;
+//!                   if they are equal: the equations if joint errors changed most, otherwise the integration
+//! external solver   its present run at its own states
 //! ```
 
 use pinwheel_engines::by_name;
@@ -58,13 +58,13 @@ pub(super) fn stage(
             evaluations: u64::MAX,
         };
         let moved = of_kept(&gearbox, &kept_of, &|run| {
-            let mut whole = TimeSeries::new(times.clone()).unwrap_or_default();
+            let mut series = TimeSeries::new(times.clone()).unwrap_or_default();
             for channel in run.channels() {
                 let mut values = channel.values.clone();
                 values.resize(times.len(), 0.0);
-                let _ = whole.push(channel.name.clone(), values);
+                let _ = series.push(channel.name.clone(), values);
             }
-            let now = statistics(&gearbox, &whole, None, None);
+            let now = statistics(&gearbox, &series, None, None);
             let of = kept.iter().map(|(of, then)| share(&now[of], then.scale));
             of.collect::<Vec<_>>().concat()
         });
@@ -90,12 +90,12 @@ pub(super) fn stage(
         return Ok((stage.to_owned(), false));
     };
     let engine = by_name(name, &gearbox.scene);
-    let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, None, &control));
-    let found = found.transpose()?.flatten();
-    let stage = match found {
+    let located = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, None, &control));
+    let located = located.transpose()?.flatten();
+    let stage = match located {
         None => "not told: it does not run".to_owned(),
-        Some(found) if found.first().is_none() => format!("not told: {}", found.words()),
-        Some(found) => found.words(),
+        Some(located) if located.first().is_none() => format!("not told: {}", located.words()),
+        Some(located) => located.words(),
     };
     Ok((stage, false))
 }

@@ -12,7 +12,7 @@ use super::file::{
 };
 use super::runner::{Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
-use super::{Options, Way};
+use super::{Options, Planned};
 use crate::control::{Control, compile};
 use crate::{StudyError, reference};
 
@@ -28,10 +28,10 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
-    fn new(case: &SceneCase, way: &Way<'_>, reason: String) -> Self {
+    fn new(case: &SceneCase, plan: &Planned<'_>, reason: String) -> Self {
         Self {
             scene: case.name.clone(),
-            choice: way.name.to_owned(),
+            choice: plan.name.to_owned(),
             reason,
         }
     }
@@ -65,26 +65,26 @@ pub fn record(
     let mut left_out = Vec::new();
     let (mut jobs, mut plans) = (Vec::new(), Vec::new());
     for case in options.scenes()? {
-        let ways = options.ways(case)?.into_iter();
-        let (refused, ways): (Vec<_>, Vec<_>) = ways.partition(|way| way.refused.is_some());
-        left_out.extend(refused.into_iter().map(|way| {
-            let reason = way.refused.clone().unwrap_or_default();
-            LeftOut::new(case, &way, reason)
+        let planned = options.planned(case)?.into_iter();
+        let (refused, planned): (Vec<_>, Vec<_>) = planned.partition(|plan| plan.refused.is_some());
+        left_out.extend(refused.into_iter().map(|plan| {
+            let reason = plan.refused.clone().unwrap_or_default();
+            LeftOut::new(case, &plan, reason)
         }));
-        if ways.is_empty() {
+        if planned.is_empty() {
             continue;
         }
         jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
-        for way in &ways {
-            jobs.push(way.job.clone());
-            jobs.extend(roundings(&way.job));
+        for plan in &planned {
+            jobs.push(plan.job.clone());
+            jobs.extend(roundings(&plan.job));
         }
-        plans.push((case, ways));
+        plans.push((case, planned));
     }
     let mut results = run_all(&jobs, options.threads, control)?.into_iter();
     let mut recorded = Vec::new();
-    for (case, ways) in plans {
-        let scene = scene(case, &ways, &mut results, &mut left_out)?;
+    for (case, planned) in plans {
+        let scene = scene(case, &planned, &mut results, &mut left_out)?;
         recorded.extend((!scene.cases.is_empty()).then_some(scene));
     }
     let only = match options.only.as_slice() {
@@ -127,8 +127,8 @@ impl Record {
             let signals = case.quantity.iter().filter(|(quantity, _)| {
                 !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
             });
-            let (quantity, found) = signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
-            Some((scene, case, *quantity, found.error))
+            let (quantity, worst) = signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
+            Some((scene, case, *quantity, worst.error))
         });
         let mut farthest: Vec<_> = farthest.collect();
         farthest.sort_by(|(.., a), (.., b)| b.total_cmp(a));
@@ -173,7 +173,7 @@ fn roundings(plain: &Job) -> Vec<Job> {
 
 fn scene(
     case: &'static SceneCase,
-    ways: &[Way<'_>],
+    planned: &[Planned<'_>],
     results: &mut impl Iterator<Item = RunResult>,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<SceneSnapshot, StudyError> {
@@ -188,9 +188,9 @@ fn scene(
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
-    for way in ways {
+    for plan in planned {
         let plain = next();
-        let others: Vec<RunResult> = roundings(&way.job).iter().map(|_| next()).collect();
+        let others: Vec<RunResult> = roundings(&plan.job).iter().map(|_| next()).collect();
         let others: Result<Vec<_>, _> = others.into_iter().collect();
         let (plain, varied) = match plain.and_then(|plain| Ok((plain, others?))) {
             Ok(runs) => runs,
@@ -198,10 +198,10 @@ fn scene(
                 let reason = match ending {
                     Ending::Unsupported { reason } => reason,
                     // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
-                    Ending::Diverged { .. } if way.job.solver.is_some() => ending.to_string(),
-                    _ => return Err(broken(way.name, ending)),
+                    Ending::Diverged { .. } if plan.job.solver.is_some() => ending.to_string(),
+                    _ => return Err(broken(plan.name, ending)),
                 };
-                left_out.push(LeftOut::new(case, way, reason));
+                left_out.push(LeftOut::new(case, plan, reason));
                 continue;
             }
         };
@@ -211,15 +211,15 @@ fn scene(
             run.costs.right_hand_sides.abs_diff(count) as f64 / count.max(1) as f64
         };
         let snapshot = CaseSnapshot {
-            choice: way.name.to_owned(),
-            set: way.sets.to_vec(),
+            choice: plan.name.to_owned(),
+            set: plan.sets.to_vec(),
             costs: plain.costs,
             count_spread: varied.iter().map(spread).fold(0.0, f64::max),
             quantity: quantities(&plain, &varied, &converged),
         };
         match snapshot.sound(&converged) {
             Ok(()) => cases.push(snapshot),
-            Err(reason) => left_out.push(LeftOut::new(case, way, reason)),
+            Err(reason) => left_out.push(LeftOut::new(case, plan, reason)),
         }
     }
     Ok(SceneSnapshot {

@@ -68,19 +68,19 @@ impl Statistics {
     /// Returns the statistics of all channels together, which are equally long.
     pub fn of_course(channels: &[&[f64]]) -> Self {
         let samples = channels.first().map_or(0, |channel| channel.len());
-        let mut found = Self::default();
+        let mut course = Self::default();
         for k in 0..WINDOWS {
             let range = k * samples / WINDOWS..(k + 1) * samples / WINDOWS;
             let all = channels.iter();
             let cut = all.filter_map(|channel| channel.get(range.clone()));
             let figures = norms::Statistics::of(&View::new(cut.collect()));
             let figures = figures.map_or([f64::NAN; 3], |it| [it.mean, it.rms, it.peak]);
-            let lists = [&mut found.mean, &mut found.rms, &mut found.peak];
+            let lists = [&mut course.mean, &mut course.rms, &mut course.peak];
             for (list, figure) in lists.into_iter().zip(figures) {
                 list.push(figure);
             }
         }
-        found
+        course
     }
 
     fn of_values(values: Vec<f64>) -> Self {
@@ -147,17 +147,17 @@ pub(super) fn statistics(
         (Quantity::InternalForce, forces(columns::INTERNAL_FORCE)),
     ];
     let followed = followed.map(|(quantity, of)| (quantity, Statistics::of_course(&of)));
-    let mut found = BTreeMap::from(followed);
+    let mut all = BTreeMap::from(followed);
     if let Some(a) = account {
         let works = [a.driver_j, a.load_j, a.kinetic_j, a.stored_j];
         let values = [&works[..], &[a.damping_j, a.friction_j]].concat();
-        found.insert(Quantity::Energy, Statistics::of_values(values));
+        all.insert(Quantity::Energy, Statistics::of_values(values));
     }
     if let Some(drift_m) = joint_drift_m {
         let values = Statistics::of_values(vec![drift_m]);
-        found.insert(Quantity::JointDrift, values);
+        all.insert(Quantity::JointDrift, values);
     }
-    found
+    all
 }
 
 fn twist(gearbox: &Gearbox, time_series: &TimeSeries) -> Vec<f64> {

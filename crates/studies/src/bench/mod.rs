@@ -74,15 +74,15 @@ impl WorkPrecision {
         let target = self.options.target;
         let windows = 0..self.windows.len();
         let at_target = windows.map(|window| self.ranking(window, target));
-        let whole = [10.0 * target, target / 10.0].map(|error| self.ranking(0, error));
-        at_target.chain(whole).collect()
+        let decades = [10.0 * target, target / 10.0].map(|error| self.ranking(0, error));
+        at_target.chain(decades).collect()
     }
 
     /// Writes `summary.json` and `bench.csv` into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         write_with(dir, "bench.csv", |sink| self.table().write_csv(sink))?;
         let measured = Measured {
             complete: self.complete,
@@ -90,7 +90,7 @@ impl WorkPrecision {
             work_precision: self,
             rankings: &self.rankings(),
         };
-        Summary::new(made, measured).write(dir)
+        Summary::new(origin, measured).write(dir)
     }
 }
 
@@ -152,7 +152,7 @@ pub fn run(
     let tasks: Vec<_> = tasks.collect();
     let total = tasks.len() + 2;
     let mut done = 0;
-    // A run says nothing of the whole.
+    // One run does not indicate the remaining time of the study.
     let quiet = Control::silent(control.cancel);
     let (reference, [time_series, second]) = reference::run(scene, &quiet, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));

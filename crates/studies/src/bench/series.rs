@@ -266,10 +266,10 @@ impl Setup<'_> {
             steps: run.stats.steps,
             rejected_steps: run.stats.rejected_steps,
         };
-        let (found, reference) = (&run.time_series, self.reference);
-        let whole = run.ending.is_finished() && found.len() == reference.len();
-        let windows = self.windows.iter().filter(|_| whole);
-        let errors = windows.map(|window| errors(found, reference, window, self.least));
+        let (own, reference) = (&run.time_series, self.reference);
+        let complete = run.ending.is_finished() && own.len() == reference.len();
+        let windows = self.windows.iter().filter(|_| complete);
+        let errors = windows.map(|window| errors(own, reference, window, self.least));
         Ok(Point {
             setting,
             errors: errors.collect(),

@@ -27,7 +27,7 @@ impl WorkPrecision {
             .text("version", "", |(series, _)| &series.version)
             .text("track", "", |(series, _)| series.track.as_str())
             .text("method", "", |(series, _)| &series.method)
-            .whole("order", "", |(series, _)| series.order)
+            .integers("order", "", |(series, _)| series.order)
             .number("step_s", "Step", |row| setting(row, AccuracySetting::Step))
             .unit("s")
             .shown(Shown::Setting)
@@ -44,10 +44,10 @@ impl WorkPrecision {
                 cost(row, |c| c.cpu_median_s)
             })
             .shown(Shown::Seconds)
-            .whole("runs", "Runs", |(_, point)| Some(point.cost?.runs))
-            .whole("rhs_calls", "RHS calls", |(_, point)| point.cost?.rhs_calls)
-            .whole("steps", "Steps", |(_, point)| Some(point.cost?.steps))
-            .whole("rejected_steps", "", |(_, point)| {
+            .integers("runs", "Runs", |(_, point)| Some(point.cost?.runs))
+            .integers("rhs_calls", "RHS calls", |(_, point)| point.cost?.rhs_calls)
+            .integers("steps", "Steps", |(_, point)| Some(point.cost?.steps))
+            .integers("rejected_steps", "", |(_, point)| {
                 Some(point.cost?.rejected_steps)
             });
         for (k, window) in self.windows.iter().enumerate() {

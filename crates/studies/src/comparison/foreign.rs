@@ -126,8 +126,8 @@ fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<Stat
         typed: &str,
     ) -> Result<T, String> {
         let known: Vec<T> = known.into_iter().collect();
-        let found = known.iter().find(|one| word(**one) == typed);
-        found.copied().ok_or_else(|| {
+        let row = known.iter().find(|one| word(**one) == typed);
+        row.copied().ok_or_else(|| {
             let words: Vec<&str> = known.into_iter().map(word).collect();
             format!(
                 "limits: `{typed}` is no {key}; {}",
@@ -216,8 +216,8 @@ fn patterns(names: &[String]) -> Vec<String> {
 }
 
 fn or(text: &str, otherwise: &str) -> String {
-    let said = if text.is_empty() { otherwise } else { text };
-    said.to_owned()
+    let text = if text.is_empty() { otherwise } else { text };
+    text.to_owned()
 }
 
 /// Formats a time without the rounding of factor and offset.
@@ -239,14 +239,14 @@ impl Data {
             return Err(fault(&self.path, what));
         }
         let times = scene.solver.sample_times_s();
-        let (own, told) = self.placed(others)?;
-        let found = foreign::resample(&own, &times, self.map.resample);
-        let found = found.map_err(|error| fault(&self.path, error))?;
-        self.judgeable(scene, &found)
+        let (own, shift_note) = self.placed(others)?;
+        let resampled = foreign::resample(&own, &times, self.map.resample);
+        let resampled = resampled.map_err(|error| fault(&self.path, error))?;
+        self.judgeable(scene, &resampled)
             .map_err(|error| fault(&self.map_path, error))?;
         // Changes of the data come first.
-        let mut notes: Vec<String> = told.into_iter().collect();
-        notes.extend(self.notes(scene, &own, &found));
+        let mut notes: Vec<String> = shift_note.into_iter().collect();
+        notes.extend(self.notes(scene, &own, &resampled));
         let cost = Cost {
             settings: format!("{}, by {}", self.path.display(), self.map_path.display()),
             notes,
@@ -259,7 +259,7 @@ impl Data {
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
             differences: or(&self.map.differences, unsaid),
-            time_series: found.time_series,
+            time_series: resampled.time_series,
             cost,
             status: Status::Finished,
         };
@@ -267,11 +267,11 @@ impl Data {
     }
 
     /// Checks that each limit's window is in the run and has data.
-    fn judgeable(&self, scene: &Scene, found: &Resampled) -> Result<(), String> {
+    fn judgeable(&self, scene: &Scene, resampled: &Resampled) -> Result<(), String> {
         let context = context(scene);
         let settling = context.settling_s.unwrap_or(SETTLING_S);
-        let (windows, absent) = windows(&found.time_series, settling, &context.load_changes_s);
-        let [from, to] = found.covers_s;
+        let (windows, absent) = windows(&resampled.time_series, settling, &context.load_changes_s);
+        let [from, to] = resampled.covers_s;
         for limit in &self.limits {
             let (quantity, word) = (&limit.quantity, limit.window.word());
             let Some(window) = windows.iter().find(|w| w.kind == limit.window) else {
@@ -305,11 +305,11 @@ impl Data {
         let finished = others.iter().filter(|other| other.status.is_finished());
         let run = finished
             .max_by_key(|other| (other.track == SharedModel::Native, other.time_series.len()));
-        let found = match run {
+        let resampled = match run {
             Some(run) => foreign::shift(&run.time_series, own).map(|shift| (&run.name, shift)),
             None => Err("no engine finished".to_owned()),
         };
-        match (offset, found) {
+        match (offset, resampled) {
             (Offset::Word(_), Err(why)) => Err(fault(
                 &self.path,
                 format!(
@@ -327,16 +327,16 @@ impl Data {
                 }
                 Ok((moved, Some(shift.message(name, offset))))
             }
-            (Offset::Seconds(_), found) => {
-                let better = found.ok().filter(|(_, shift)| shift.matters());
-                let told = better.map(|(name, shift)| shift.message(name, offset));
-                Ok((own.clone(), told))
+            (Offset::Seconds(_), resampled) => {
+                let better = resampled.ok().filter(|(_, shift)| shift.matters());
+                let shift_note = better.map(|(name, shift)| shift.message(name, offset));
+                Ok((own.clone(), shift_note))
             }
         }
     }
 
     /// Returns notes on the changes of the data.
-    fn notes(&self, scene: &Scene, own: &TimeSeries, found: &Resampled) -> Vec<String> {
+    fn notes(&self, scene: &Scene, own: &TimeSeries, resampled: &Resampled) -> Vec<String> {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
         if !bad.is_empty() {
@@ -365,7 +365,7 @@ impl Data {
         };
         let rows = times.len();
         notes.push(format!("{rows} rows from {first} to {last} s{added}."));
-        let [from, to] = found.covers_s;
+        let [from, to] = resampled.covers_s;
         if from > 0.0 || to < scene.solver.duration_s {
             let [from, to] = [from, to].map(short);
             notes.push(format!(
@@ -373,21 +373,21 @@ impl Data {
                 scene.solver.duration_s
             ));
         }
-        if let Some((error, column)) = &found.restores {
+        if let Some((error, column)) = &resampled.restores {
             notes.push(format!(
                 "{} of {} sample times are its own, the others are interpolated ({}). With every second of its rows left \
                  out, this restores them to {error:.1e} (relative L2 of {column}, the worst column); the differences \
                  shown hold up to as much of it.",
-                found.own,
-                found.own + found.interpolated,
+                resampled.own,
+                resampled.own + resampled.interpolated,
                 self.map.resample.method.word()
             ));
         }
-        if let Some(gap) = found.gaps_s.first() {
+        if let Some(gap) = resampled.gaps_s.first() {
             let [from, to] = gap.map(short);
             notes.push(format!(
                 "{} gaps are too long to bridge, the first from {from} to {to} s: only the longest stretch without one is compared.",
-                found.gaps_s.len()
+                resampled.gaps_s.len()
             ));
         }
         let gear = &scene.gear;
@@ -447,7 +447,7 @@ impl Data {
                 .find(|(quantity, _)| quantity == name)
                 .map_or(0.0, |(_, share)| *share),
         };
-        let found = groups.into_iter().map(relative);
-        found.filter(|one| one.data.is_finite()).collect()
+        let resampled = groups.into_iter().map(relative);
+        resampled.filter(|one| one.data.is_finite()).collect()
     }
 }

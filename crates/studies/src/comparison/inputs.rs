@@ -53,10 +53,10 @@ pub(super) fn uncertainty(
         .iter()
         .map(|moves| run(moves))
         .collect::<Result<Vec<TimeSeries>, _>>()?;
-    let found = derive([&middle]).into_iter().filter_map(|quantity| {
-        let whole = 0..middle.len();
+    let shares = derive([&middle]).into_iter().filter_map(|quantity| {
+        let rows = 0..middle.len();
         let view = |time_series| {
-            let view = View::of(time_series, &quantity.channels, whole.clone())?;
+            let view = View::of(time_series, &quantity.channels, rows.clone())?;
             Some(view.values().collect::<Vec<f64>>())
         };
         let size = square(&view(&middle)?);
@@ -69,7 +69,7 @@ pub(super) fn uncertainty(
         let share: f64 = (variance / size).sqrt();
         share.is_finite().then_some((quantity.name.clone(), share))
     });
-    Ok(found.collect())
+    Ok(shares.collect())
 }
 
 fn square(values: &[f64]) -> f64 {

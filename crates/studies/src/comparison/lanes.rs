@@ -4,8 +4,8 @@
 //!  engines ──the dearest first──> jobs threads ──> refine ──> participants in the engines' order
 //!            in Python: another process refines ahead and stores its runs for refine
 //! ```
-//! CPU time is measured by the clock of each run's own thread or process, so that it does not depend on the number of parallel
-//! runs. Neither do the results of an engine.
+//! CPU time is measured by the clock of each run's own thread or process. CPU times and results therefore do not depend on the
+//! number of parallel runs.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -24,8 +24,8 @@ use crate::output::OutputError;
 use crate::pool::{self, lock};
 use crate::provenance::{Provenance, SOURCES};
 
-/// Function that refines an engine, by its name and the scene's divergence, in another process that stores its runs, see
-/// [`ahead`].
+/// Function that refines an engine in another process, which stores its runs; see [`ahead`]. It receives the engine's name and
+/// the scene's divergence.
 pub type Ahead<'a> = &'a (dyn Fn(&str, Option<&Divergence>, &Control<'_>) + Sync);
 
 /// Resources of a comparison.
@@ -39,7 +39,8 @@ pub struct Lanes<'a> {
     pub ahead: Option<Ahead<'a>>,
 }
 
-/// Opens the store of other projects' runs, see [`kept`]; `None` if none are stored. `fresh`: only runs from now on are used.
+/// Opens the store of other projects' runs, see [`kept`]; `None` if none are stored. With `fresh`, only runs from now on are
+/// used.
 ///
 /// # Errors
 /// The store's folder cannot be written.
@@ -109,21 +110,21 @@ impl Lanes<'_> {
                     ahead(name, context.divergence.as_ref(), control);
                 }
                 let _alone = lane.map(|_| lock(&interpreter));
-                let found = refine(engines[k], input.gearbox, context, effort, at, control)?;
-                Ok((k, found))
+                let refined = refine(engines[k], input.gearbox, context, effort, at, control)?;
+                Ok((k, refined))
             })
         };
         let work = |(): &mut (), piece: usize| {
             let piece = pieces[piece].iter();
             piece.map(|&k| one(k)).collect::<Result<Vec<_>, _>>()
         };
-        let (found, fault) = pool::map(self.jobs, pieces.len(), || (), work);
+        let (refined, fault) = pool::map(self.jobs, pieces.len(), || (), work);
         if let Some(fault) = fault {
             return Err(fault);
         }
-        let mut found: Vec<_> = found.into_iter().flatten().flatten().collect();
-        found.sort_by_key(|(k, _)| *k);
-        Ok(found.into_iter().map(|(_, found)| found).unzip())
+        let mut refined: Vec<_> = refined.into_iter().flatten().flatten().collect();
+        refined.sort_by_key(|(k, _)| *k);
+        Ok(refined.into_iter().map(|(_, refined)| refined).unzip())
     }
 }
 
@@ -188,13 +189,13 @@ impl<'a> Board<'a> {
             lane.outlook.begun_s = Some(now_s);
             lane.name
         });
-        let heard = |at: Progress<'_>| {
+        let report = |at: Progress<'_>| {
             self.change(k, false, |Lane { outlook, .. }, now_s| {
                 let left = at.left_s.filter(|left| left.is_finite());
                 outlook.reported_s = left.map(|left| [now_s, left]).or(outlook.reported_s);
             });
         };
-        let control = self.control.limited(self.control.cancel, &heard);
+        let control = self.control.limited(self.control.cancel, &report);
         let done = work(Progress::new(0, 1, name), &control);
         self.change(k, false, |lane, now_s| lane.outlook.ended_s = Some(now_s));
         done
@@ -202,11 +203,11 @@ impl<'a> Board<'a> {
 
     /// Changes the state of an engine, given the time, s, and reports, at once or when a report is due.
     fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>, f64) -> T) -> T {
-        let (lanes, told, foretold) = &mut *lock(&self.lanes);
+        let (lanes, reported, foretold) = &mut *lock(&self.lanes);
         let now_s = self.begun.elapsed().as_secs_f64();
         let changed = by(&mut lanes[k], now_s);
-        if at_once || told.elapsed() >= EVERY {
-            *told = Instant::now();
+        if at_once || reported.elapsed() >= EVERY {
+            *reported = Instant::now();
             let all: Vec<Outlook> = lanes.iter().map(|lane| lane.outlook).collect();
             let runs = lanes.iter();
             let runs = runs

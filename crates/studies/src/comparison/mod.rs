@@ -70,7 +70,7 @@ pub struct Outcome {
     pub assumptions: Vec<Assumption>,
     /// Figures with other contact laws and fits; `None` without a comparison.
     pub bands: Option<Bands>,
-    /// Loads of the parts against what they may bear; `None` of a gear that cannot be balanced.
+    /// Loads of the parts against their limits; `None` for a gear without a balance.
     pub limits: Option<Limits>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<MatchedContactRun>,
@@ -82,7 +82,7 @@ pub struct Outcome {
 
 /// Payload of `summary.json`.
 #[derive(Serialize)]
-struct Found<'a> {
+struct Payload<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
     modelled: &'a [Statement],
@@ -285,7 +285,7 @@ impl Outcome {
     /// True if an unexplained difference remains.
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
-        largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
+        largest.is_some_and(|cause| cause.share() > EXPLAINED && !cause.is_explained())
     }
 
     /// Returns the exit status: also 1 if an engine differs from its twin.
@@ -321,7 +321,7 @@ impl Outcome {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         for participant in &self.participants {
             let (status, cost) = (&participant.status, &participant.cost);
             if !matches!(status, Status::Finished | Status::Diverged { .. }) {
@@ -334,10 +334,10 @@ impl Outcome {
                 continue;
             }
             let engine = (&*participant.name, &*participant.version, participant.track);
-            RunRecord::new(engine, &self.gearbox.scene, status, cost, made)
+            RunRecord::new(engine, &self.gearbox.scene, status, cost, origin)
                 .write(&place, &participant.time_series)?;
         }
-        let found = Found {
+        let results = Payload {
             comparison: &self.comparison,
             modelled: &self.model.modelled,
             left_out: &self.model.left_out,
@@ -347,7 +347,7 @@ impl Outcome {
             stages: &self.stages,
             scene: &self.gearbox.scene,
         };
-        Summary::new(made, found).write(dir)
+        Summary::new(origin, results).write(dir)
     }
 }
 
@@ -479,7 +479,7 @@ pub fn divergence(
     let control = control.lasting(gearbox.scene.solver.duration_s);
     let watch = &mut |t| control.reached(t);
     match divergence::horizon(gearbox, DIVERGENCE_STEP, watch) {
-        Ok(found) => Ok(Some(found)),
+        Ok(measured) => Ok(Some(measured)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         // Another engine may support a scene that the native one refuses.
         Err(_) => Ok(None),

@@ -1,12 +1,12 @@
-//! Remaining time of engines that share some threads, by what is known of each: its usual cost, then its own reports.
+//! Remaining time of engines that share some threads: by the usual cost of each, then by its own progress reports.
 //!
 //! ```text
 //!  usual cost x pace of those that reported ──> remaining time of all, if those without a report have little of it
 //!  ──> if its end did not move by more than a third of it since half of the time, and is not near
 //! ```
 
-/// Largest share of engines without a report or kept costs of the scene in a remaining time that is shown: their usual costs are those
-/// of `paper`, and those of five live comparisons were off by 1 to 265.
+/// Largest share of a shown remaining time that may belong to engines without a report or stored costs of the scene. Usual costs
+/// are costs of `paper`; in five live comparisons they were off by factors of 1 to 265.
 const UNREPORTED: f64 = 0.3;
 /// Least remaining time over the elapsed one that is shown. Differences, which follow the engines, took up to 0.07 of it.
 const NEAR: f64 = 0.2;

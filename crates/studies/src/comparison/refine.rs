@@ -229,16 +229,16 @@ impl<'a> Refiner<'a> {
         // Engines end a step at each sample, so a longer step would change nothing.
         let sample_s = self.gearbox.scene.solver.sample_s;
         let steps = sample_s / value;
-        let whole = (steps - steps.round()).abs() < 1e-6;
-        let longer = [2.0, 4.0].map(|times| match whole {
+        let is_integer = (steps - steps.round()).abs() < 1e-6;
+        let longer = [2.0, 4.0].map(|times| match is_integer {
             // Samples stay at ends of steps.
             true => sample_s / (steps.round() / times).ceil(),
             false => times * value,
         });
-        let mut found = longer.to_vec();
-        found.retain(|longer| *longer > 1.001 * value && *longer < 1.001 * sample_s);
-        found.dedup();
-        found
+        let mut values = longer.to_vec();
+        values.retain(|longer| *longer > 1.001 * value && *longer < 1.001 * sample_s);
+        values.dedup();
+        values
     }
 
     /// Runs at one setting.
@@ -342,8 +342,8 @@ pub fn refine(
         let evidence = match ladder {
             Some(ladder) => {
                 let evidence = Evidence::refinement(name, ladder);
-                let found = needed(context, &ran, &evidence, target);
-                settled(evidence, has_friction, None, found)
+                let change = needed(context, &ran, &evidence, target);
+                settled(evidence, has_friction, None, change)
             }
             None => unrefined(engine, &ran),
         };
@@ -367,7 +367,7 @@ pub fn refine(
         && free
         && let Some(&value) = refiner.coarser(refiner.value).last()
     {
-        // It becomes the finest level of a study that does not fit.
+        // The coarsest level becomes the finest one if the study does not fit.
         let after = |cpu_s: f64| match refiner.rest(value, cpu_s) {
             rest if cpu_s + rest <= longest => rest / cpu_s,
             _ => 1.0,
@@ -382,7 +382,7 @@ pub fn refine(
     let whole_s =
         |(value, ran): &mut (f64, Participant)| spent.get() + refiner.rest(*value, cpu_s(ran));
     let (mut value, mut finest) = match coarsest.take_if(|ran| whole_s(ran) > longest) {
-        // It becomes the finest level of a study that fits.
+        // The coarsest level becomes the finest one of a study that fits.
         Some(coarsest) => coarsest,
         None => {
             let coarser = refiner.coarser(refiner.value).len();
@@ -427,13 +427,13 @@ pub fn refine(
             ),
             false => Evidence::refinement(name, ladder.clone()),
         };
-        let mut found = needed(context, &finest, &evidence, target);
+        let mut change = needed(context, &finest, &evidence, target);
         if let Some(shorter) = refiner.chatters(value) {
-            found.factor = Some(found.factor.map_or(shorter, |factor| factor.max(shorter)));
-            found.stuck = Some(blunt());
+            change.factor = Some(change.factor.map_or(shorter, |factor| factor.max(shorter)));
+            change.stuck = Some(blunt());
         }
-        let Some(needed) = found.factor.filter(|_| free) else {
-            return Ok((finest, settled(evidence, has_friction, is_final, found)));
+        let Some(needed) = change.factor.filter(|_| free) else {
+            return Ok((finest, settled(evidence, has_friction, is_final, change)));
         };
         let took = cpu_s(&finest);
         let (factor, next) = refiner.next(needed, took, longest - spent.get());
@@ -454,7 +454,7 @@ pub fn refine(
                     ),
                 });
             }
-            return Ok((finest, settled(evidence, has_friction, is_final, found)));
+            return Ok((finest, settled(evidence, has_friction, is_final, change)));
         };
         ladder.refine(value / factor, level(value, finest));
         ladder.floor = refiner.ladder(ladder.finest).floor;
@@ -511,12 +511,12 @@ fn settled(
     mut evidence: Evidence,
     has_friction: bool,
     is_final: Option<Final>,
-    found: Needed,
+    change: Needed,
 ) -> Evidence {
-    let stuck = found
+    let stuck = change
         .stuck
         .filter(|_| has_friction || is_final.is_some())
-        .or_else(|| (has_friction && is_final.is_some() && found.factor.is_some()).then(blunt));
+        .or_else(|| (has_friction && is_final.is_some() && change.factor.is_some()).then(blunt));
     if let Some(stuck) = stuck {
         evidence.source = Source::Unknown(stuck);
     }

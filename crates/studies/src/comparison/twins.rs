@@ -101,7 +101,7 @@ pub(super) fn of(
     let Some(native) = participants.iter().rfind(finished) else {
         return Ok(Vec::new());
     };
-    let mut found = Vec::new();
+    let mut twins = Vec::new();
     for engine in participants.iter().filter(|p| p.status.is_finished()) {
         let info = known().find(|info| info.name == engine.name);
         let kind = info.map_or(OwnContact::SceneLaw, |info| info.own_contact);
@@ -145,9 +145,9 @@ pub(super) fn of(
                 None => Verdict::Inconclusive,
             };
         }
-        found.push(twin);
+        twins.push(twin);
     }
-    Ok(found)
+    Ok(twins)
 }
 
 fn in_words(kind: OwnContact, scene: &Scene) -> String {

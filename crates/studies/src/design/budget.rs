@@ -1,7 +1,8 @@
 //! Compliance budget: deflection by parts.
 //!
-//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the parts behind them, then with carrier
-//! and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
+//! The gear is balanced with its contacts alone, then also with its eccentric bearings, then with the parts behind them, then
+//! with carrier and flange. Compliances add up, so the share of a part is the increase of the twist under load when it is
+//! added.
 
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{Scene, Structure};
@@ -21,7 +22,7 @@ pub struct Share {
     pub part: &'static str,
     /// Share of the total compliance.
     pub share: f64,
-    /// Stiffness of the gear with this part and all before, mean over the mesh, N m/arcmin.
+    /// Stiffness of the gear with this part and all earlier ones, mean over the mesh, N m/arcmin.
     pub stiffness_n_m_per_arcmin: f64,
     /// Lost motion of that gear, largest over the mesh, arcmin.
     pub lost_motion_arcmin: f64,
@@ -29,7 +30,7 @@ pub struct Share {
 
 /// Remaining compliance beyond the scene's parts, fitted to a stated stiffness of a catalogue or a measurement.
 ///
-/// One spring between carrier and output represents it: its size is known, not its cause.
+/// The model has one spring for it between carrier and output: its size is known, its cause is not.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rest {
     /// Stated stiffness, N m/arcmin.
@@ -45,9 +46,9 @@ impl Rest {
     ///
     /// # Errors
     /// A stated stiffness that is not positive, or not below the gear's.
-    pub(super) fn of(found: &DesignResult, stated: f64) -> Result<Self, StudyError> {
-        let before = found.budget.iter().rfind(|share| share.part != REST);
-        let own = before.map_or(found.torsion.stiffness_n_m_per_arcmin.mean, |share| {
+    pub(super) fn of(design: &DesignResult, stated: f64) -> Result<Self, StudyError> {
+        let before = design.budget.iter().rfind(|share| share.part != REST);
+        let own = before.map_or(design.torsion.stiffness_n_m_per_arcmin.mean, |share| {
             share.stiffness_n_m_per_arcmin
         });
         if !(stated > 0.0 && stated < own) {
@@ -70,9 +71,9 @@ pub(super) const CONTACTS: &str = "contacts";
 /// Part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
-/// Gives a scene what a part of the whole one has.
+/// Function that copies the values of one part from the complete scene.
 type Give = fn(&mut Scene, &Scene);
-/// Parts behind the bearings of the discs, in the order in which they join.
+/// Parts behind the bearings of the discs, in the order in which they are added.
 const PARTS: [(&str, Give); 9] = [
     ("crank supports", |scene, all| {
         if let (Some(cranks), Some(all)) = (&mut scene.cranks, all.cranks) {
@@ -103,14 +104,14 @@ const PARTS: [(&str, Give); 9] = [
     (REST, |scene, all| scene.bearings = all.bearings),
 ];
 
-/// Budget of the gear of `known` under the `working` load; empty where only the contacts deflect.
+/// Computes the budget of the gear of `known` under the `working` load; empty if only the contacts deflect.
 pub(super) fn of(
     known: &mut Statics<'_>,
     working: f64,
     control: &Control<'_>,
 ) -> Result<Vec<Share>, StudyError> {
     let all = &known.gearbox().scene;
-    // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
+    // The first gear has rigid bearings, which a scene with cranks cannot state.
     let mut scene = Scene::clone(all);
     scene.bearings.output_torsion_n_m_rad = None;
     scene.bearings.internal_sleeve_stiffness_n_m = None;
@@ -150,7 +151,7 @@ pub(super) fn of(
                 Ok(control.check()?)
             })
         };
-        let found = if part != CONTACTS && scene == *known.gearbox().scene {
+        let (lost, stiffness) = if part != CONTACTS && scene == *known.gearbox().scene {
             balanced(known)?
         } else {
             let gearbox = compile(&scene)?;
@@ -161,19 +162,19 @@ pub(super) fn of(
             }
             balanced(&mut statics)?
         };
-        let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
+        let stiffness = Spread::of(stiffness.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);
         shares.push(Share {
             part,
             share: 0.0,
             stiffness_n_m_per_arcmin: stiffness,
-            lost_motion_arcmin: Spread::of(found.0).max,
+            lost_motion_arcmin: Spread::of(lost).max,
         });
     }
-    let whole = compliance.last().copied().unwrap_or(1.0);
+    let total = compliance.last().copied().unwrap_or(1.0);
     let mut before = 0.0;
     for (share, compliance) in shares.iter_mut().zip(compliance) {
-        share.share = (compliance - before) / whole;
+        share.share = (compliance - before) / total;
         before = compliance;
     }
     Ok(shares)

@@ -1,12 +1,13 @@
-//! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
+//! Hysteresis loop: with the input locked, the load slowly rises to the rated torque, falls to its opposite, and returns.
 //!
-//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
-//! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
-//! motions are those of the gear itself, but for friction, which now acts in full. Two things then widen the loop, in proportion to the
-//! rate: damping, and near no load, where contacts are soft, mass. What swings is damped away, the load is slow near 0, and the figures
-//! of loops at two rates are extrapolated to rest. Sleeves that rub on their pins stick and slip in
-//! turn, in steps too small for this, and a play is crossed late: then the loop is the slow one, whose friction fades, and the width is
-//! by statics.
+//! Regularised friction vanishes at low speeds, and a real load moves the output far more slowly than that. Therefore a gear
+//! with friction has reduced masses on its loop, which may then be fast. With times multiplied by s, masses by s^2 and damping
+//! by s, all motions equal those of the gear itself, except that friction acts in full. Two effects widen the loop in
+//! proportion to the rate: damping, and mass near no load, where contacts are soft. Oscillations are damped, the load is slow
+//! near 0, and the figures of loops at two rates are extrapolated to rest.
+//!
+//! Sleeves with friction on their pins stick and slip in steps too small for this method, and backlash is crossed late. The
+//! loop is then the slow one, without full friction, and its width is computed by statics.
 
 use std::f64::consts::TAU;
 
@@ -25,21 +26,21 @@ use crate::{Control, StudyError, single};
 
 /// Duration of a ramp from no load to the rated one, in periods of the slowest mode: slow enough for quasi-static motion.
 const SLOW: f64 = 300.0;
-/// Likewise of the faster loop of a gear on whose loop friction acts. The other takes twice as long.
+/// Duration of a ramp of the faster loop of a gear with friction, in the same unit. The slower loop takes twice as long.
 const SLOW_WITH_FRICTION: f64 = 84.0;
-/// Share of the rated torque within which that load is slower, and how many times: mass holds back less.
+/// Share of the rated torque within which that load is slower, and the factor: the effect of mass falls.
 const NEAR: f64 = 0.05;
 const SLOWER: f64 = 8.0;
-/// Factor of that gear's damping. With less than twice the damping the ramps' kinks ring on.
+/// Factor on the damping of that gear. Below twice the damping, oscillations from the ramps' kinks persist.
 const DAMPED: f64 = 4.0;
-/// Factor of the change by extrapolation in its uncertainty: two loops do not show their order.
+/// Factor on the change by extrapolation in its uncertainty: two loops do not show their order.
 const SAFETY: f64 = 3.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
 const REST: f64 = 0.25;
 
-/// Speed of the output on the loop of a gear in which parts rub, rad/s: friction fades below 1 rad/s.
+/// Speed of the output on the loop of a gear with friction, rad/s: friction fades below 1 rad/s.
 const SLIDES_RAD_S: f64 = 30.0;
 /// Largest ramp of the contacts' friction, relative to the speed of the output at the eccentricity.
 const RAMP: f64 = 1e-2;
@@ -47,18 +48,19 @@ const RAMP: f64 = 1e-2;
 const LEAST: [f64; 2] = [1e-9, 1e-18];
 const FASTEST_M_S: f64 = 1e3;
 
-/// The loop of a slow run.
+/// Hysteresis loop of a slow run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` where sleeves rub, and
-    /// where a gear that rubs has play.
+    /// Width of the loop at no load, arcmin; without friction 0, apart from oscillations and damping. `None` for sleeves with
+    /// friction on their pins, and for a gear with friction and backlash.
     pub width_arcmin: Option<f64>,
-    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by extrapolation,
-    /// and half of the branches' distances at both torques.
+    /// Uncertainty of the lost motion, arcmin: the run's verified error of forces, the sampling, three times the change by
+    /// extrapolation, and half of the branches' distances at both torques.
     pub lost_motion_uncertainty_arcmin: Option<f64>,
-    /// Uncertainty of the width, arcmin: the first three of these; where nothing rubs also the width.
+    /// Uncertainty of the width, arcmin: the first three contributions to that of the lost motion; without
+    /// friction also the width.
     pub width_uncertainty_arcmin: Option<f64>,
     /// Ending of the run.
     pub status: &'static str,
@@ -86,7 +88,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     let gear = &slow.gear;
     let clearance = (slow.bearings.eccentric.as_ref()).and_then(|bearing| bearing.clearance_m);
     let play = largest_play(gear) + largest_hole_play(gear) + clearance.unwrap_or(0.0);
-    // Play below this is rounding.
+    // Backlash below this is rounding.
     if !slow.rubs() || fades || play >= 1e-12 {
         let mut own = looped(gearbox, rated, SLOW, None, control)?;
         // Where nothing rubs, the run's rate alone opens the loop.
@@ -118,7 +120,7 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
     Ok(own)
 }
 
-/// Runs the loop with ramps of so many periods of the slowest mode; `rub`: the bearings of a gear on whose loop friction acts.
+/// Runs the loop with ramps of so many periods of the slowest mode. `rub` has the bearings of a gear with friction.
 fn looped(
     gearbox: &Gearbox,
     rated: f64,
@@ -129,7 +131,7 @@ fn looped(
     let mut scene = Scene::clone(&gearbox.scene);
     let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
     if let Some(bearings) = rub {
-        // Pins that roll freely rub on nothing, and as light as here they would take the smallest of steps.
+        // Pins that roll freely have no friction, and with reduced masses they would require the smallest steps.
         scene.bearings = *bearings;
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
@@ -141,7 +143,7 @@ fn looped(
     scene.drive.load_ramp_s = 0.0;
     scene.drive.load_changes.clear();
     scene.drive.start = Start::Kinematic;
-    // In ramps and shares of the rated torque.
+    // Units: ramps, and shares of the rated torque.
     let (mut now, mut load) = (0.0_f64, 0.0_f64);
     let [mut first, mut down, mut up] = [[0.0_f64; 2]; 3];
     for (end, span) in [(1.0_f64, &mut first), (-1.0, &mut down), (1.0, &mut up)] {
@@ -170,8 +172,8 @@ fn looped(
     scene.solver.integrator = "auto".to_owned();
     scene.output.channels.clear();
     let slow = compile(&scene)?;
-    let found = single::run(&slow, &Native::REDUCED, false, control)?;
-    let time_series = &found.run.time_series;
+    let study = single::run(&slow, &Native::REDUCED, false, control)?;
+    let time_series = &study.run.time_series;
     let time_s = time_series.time_s().to_vec();
     let angle = time_series.channel(columns::OUTPUT_ANGLE);
     let angle = angle.unwrap_or_default();
@@ -180,7 +182,7 @@ fn looped(
     let from = |t: f64| time_s.partition_point(|&at| at < t);
     // Branches of decreasing and of increasing load.
     let [down, up] = [down, up].map(|[start, end]| from(start * ramp)..from(end * ramp) + 1);
-    let whole = found.run.ending.is_finished();
+    let finished = study.run.ending.is_finished();
     // Angles of both branches at a torque, with every `every`-th sample.
     let both = |torque: f64, every: usize| {
         let at = |branch: &std::ops::Range<usize>| {
@@ -191,7 +193,7 @@ fn looped(
             };
             crossing(&thinned(&torque_n_m), &thinned(&angle_arcmin), torque)
         };
-        Some((at(&down)?, at(&up)?)).filter(|_| whole)
+        Some((at(&down)?, at(&up)?)).filter(|_| finished)
     };
     let lost = |every: usize| {
         let mean = |torque: f64| both(torque, every).map(|(a, b)| 0.5 * (a + b));
@@ -199,9 +201,9 @@ fn looped(
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
     let width = |every: usize| apart(0.0, every);
-    // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
+    // Friction that yields slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * (apart(LOST * rated, 1)? + apart(-LOST * rated, 1)?));
-    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
+    let error = study.run.uncertainty.as_ref().and_then(|u| u.error);
     let off = |of: &dyn Fn(usize) -> Option<f64>| {
         let value = of(1)?;
         Some((value - of(2)?).abs() + error?.forces * value)
@@ -211,7 +213,7 @@ fn looped(
         width_arcmin: width(1),
         lost_motion_uncertainty_arcmin: off(&lost).and_then(|off| Some(off + open()?)),
         width_uncertainty_arcmin: off(&width),
-        status: found.run.ending.word(),
+        status: study.run.ending.word(),
         closed_from: down.start,
         time_s,
         torque_n_m,
@@ -219,7 +221,7 @@ fn looped(
     })
 }
 
-/// Multiplies the times of a scene's motions by `s`, and damps them more.
+/// Multiplies the times of a scene's motions by `s`, and increases its damping.
 fn hasten(scene: &mut Scene, s: f64) {
     let (mass, contact) = (&mut scene.mass, &mut scene.contact);
     for body in [
@@ -245,7 +247,7 @@ fn hasten(scene: &mut Scene, s: f64) {
     }
 }
 
-/// The angle where a monotone course of the torque passes `torque`.
+/// Returns the angle at which a monotone course of the torque passes `torque`.
 fn crossing(torques: &[f64], angles: &[f64], torque: f64) -> Option<f64> {
     let k = torques
         .windows(2)

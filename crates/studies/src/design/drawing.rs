@@ -72,7 +72,7 @@ pub fn discs(scene: &CheckedScene) -> Result<Vec<Drawing>, StudyError> {
     Ok(drawings)
 }
 
-/// True if one disc is the other one turned by some lobes: all edges are equal, holes may differ.
+/// True if the holes of one disc, turned by some lobes, are those of the other. The edges of all discs are equal.
 fn is_one_part(gear: &Gear, one: &Outline, other: &Outline) -> bool {
     let same = SAME * gear.internal_circle_radius_m;
     let lobes = gear.lobes();
@@ -94,16 +94,16 @@ fn others(scene: &CheckedScene, wheel: usize) -> [(&'static str, Vec<Circle>); 3
     let phase = TAU * wheel as f64 / gear.wheels as f64;
     let start = (PI - phase) / gear.lobes() as f64;
     let [ex, ey] = turned([gear.eccentricity_m, 0.0], phase);
-    let seen = |[x, y]: [f64; 2]| turned([x - ex, y - ey], -start);
+    let turn_back = |[x, y]: [f64; 2]| turned([x - ex, y - ey], -start);
     let ring = |j| {
         (
-            seen(gear.external_sleeve_m(j)),
+            turn_back(gear.external_sleeve_m(j)),
             gear.external_sleeve_radius_of_m(j),
         )
     };
     let output = |k| {
         (
-            seen(gear.internal_sleeve_m(k)),
+            turn_back(gear.internal_sleeve_m(k)),
             gear.internal_sleeve_radius_of_m(k),
         )
     };

@@ -113,12 +113,12 @@ impl Joint {
         let few = poses.few(POSES);
         let count = few.angles.len();
         let mut last: [[Option<Equilibrium>; LEVELS.len()]; 2] = Default::default();
-        let ways = both_ways(&few, gearbox, |pose, phi, way| {
+        let both = both_ways(&few, gearbox, |pose, phi, way| {
             step(pose, count)?;
             let last = &mut last[usize::from(way < 0.0)];
             one_way(statics, last, phi, way * rated).map_err(of_scene)
         })?;
-        let poses: Vec<Pose> = ways.into_iter().map(Pose::of).collect();
+        let poses: Vec<Pose> = both.into_iter().map(Pose::of).collect();
         let all: Vec<&Pose> = poses.iter().collect();
         let springs = springs(&mean_twists(&all), rated);
         if springs.is_empty() {
@@ -131,14 +131,14 @@ impl Joint {
         let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
         let circling = gearbox.geometry.eccentricities_m.iter();
         let circling = circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
-        // Against the ground.
+        // Angles against the ground.
         let turning = match scene.ring_turns() {
             true => scene.eccentric_per_held_carrier(),
             false => scene.eccentric_per_input(),
         };
         let input_inertia_kg_m2 = scene.input_shaft().moment_kg_m2 + circling * turning * turning;
         let output_inertia_kg_m2 = scene.output_inertia_kg_m2() + wheels * mass.wheel.moment_kg_m2;
-        let found = friction(runs, rated, ratio);
+        let friction = friction(runs, rated, ratio);
         let figures = parted(few.parts, |every, of| {
             let some: Vec<&Pose> = all.iter().skip(of).step_by(every).copied().collect();
             of_balances(&some, rated)
@@ -148,7 +148,7 @@ impl Joint {
             ratio: scene.output_per_input().recip(),
             springs,
             damping_n_m_s_per_rad: all.iter().map(|pose| pose.damping).sum::<Option<f64>>(),
-            friction: found.map(|(friction, _)| friction),
+            friction: friction.map(|(friction, _)| friction),
             input_inertia_kg_m2,
             output_inertia_kg_m2,
             figures,
@@ -164,7 +164,7 @@ impl Joint {
         if let Some(damping) = &mut joint.damping_n_m_s_per_rad {
             *damping /= all.len() as f64;
         }
-        joint.figures.extend(of_friction(found));
+        joint.figures.extend(of_friction(friction));
         joint.figures.extend(joint.of_masses());
         Ok(joint)
     }
@@ -311,11 +311,11 @@ fn one_way(
     for ((twist, share), last) in twist.iter_mut().zip(LEVELS).zip(last) {
         let gearbox = statics.gearbox();
         let load = share * rated;
-        let found = statics.track(last, phi, load)?.clone();
-        let turned = found.output - gearbox.geometry.ideal_output_angle(phi);
+        let balance = statics.track(last, phi, load)?.clone();
+        let turned = balance.output - gearbox.geometry.ideal_output_angle(phi);
         *twist = (turned + gearbox.flange_twist_rad(load)) * load.signum();
         if share == 1.0 {
-            damping = statics.compliance(&found).map(|[_, damping]| damping);
+            damping = statics.compliance(&balance).map(|[_, damping]| damping);
         }
     }
     Ok((twist, damping))
@@ -356,20 +356,20 @@ pub fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
             corners.push(next);
         }
     }
-    let mut found: Vec<Spring> = Vec::new();
+    let mut springs: Vec<Spring> = Vec::new();
     let mut stiffness = 0.0;
     for pair in corners.windows(2) {
         let steeper = slope(pair[0], pair[1]);
         // The first spring engages at its line's zero.
         let before = pair[0][1] / steeper;
-        let from = pair[0][0] - if found.is_empty() { before } else { 0.0 };
-        found.push(Spring {
+        let from = pair[0][0] - if springs.is_empty() { before } else { 0.0 };
+        springs.push(Spring {
             dead_band_rad: from.max(0.0),
             stiffness_n_m_per_rad: steeper - stiffness,
         });
         stiffness = steeper;
     }
-    found
+    springs
 }
 
 /// Returns the figures of the equilibria of these poses.
@@ -429,23 +429,23 @@ fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f6
             continue;
         }
         let left = (&matrix * &parts - &torque).norm_squared() / (rows.len() - kept.len()) as f64;
-        let (mut found, mut off) = ([0.0; 3], [left.sqrt(); 3]);
+        let (mut value, mut off) = ([0.0; 3], [left.sqrt(); 3]);
         for (k, &part) in kept.iter().enumerate() {
-            found[part] = parts[k];
+            value[part] = parts[k];
             off[part] = (left * inverse[(k, k)]).sqrt();
         }
         let friction = Friction {
-            constant_n_m: found[0],
-            of_rated_load_n_m: found[1],
-            viscous_n_m_s_per_rad: found[2] / speed,
+            constant_n_m: value[0],
+            of_rated_load_n_m: value[1],
+            viscous_n_m_s_per_rad: value[2] / speed,
         };
         return Some((friction, [off[0], off[1], off[2] / speed]));
     }
     None
 }
 
-fn of_friction(found: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
-    let (friction, off) = found.unzip();
+fn of_friction(parts: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
+    let (friction, off) = parts.unzip();
     let part = |k: usize, def: &FigureDef, of: fn(Friction) -> f64| {
         def.of(friction.map(of), off.map(|off| off[k]))
     };

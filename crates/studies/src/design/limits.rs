@@ -35,7 +35,7 @@ const ROLLING_MPA: [f64; 2] = [4000.0, 1500.0];
 /// Pressure of a line contact at which yield begins, over the yield strength.
 const YIELDS: f64 = 1.67;
 
-/// Most sizes that are tried for one that bears its load, and a factor of each beyond what its margin asks for.
+/// Largest number of tried sizes, and factor on each beyond the margin required.
 const SIZES: usize = 4;
 const LARGER: f64 = 1.02;
 
@@ -61,7 +61,7 @@ pub struct Limit {
     pub is_stated: bool,
 }
 
-/// Answer to: does the gear bear its load?
+/// Answer to the question whether the gear bears its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
@@ -147,7 +147,7 @@ pub(super) fn figures(balances: &Balances, scene: &Scene) -> Vec<Figure> {
     })
 }
 
-/// Largest bending stress of an output pin, Pa; its sleeve turns on it, if there is one.
+/// Returns the largest bending stress of an output pin, Pa; a sleeve turns on it, if there is one.
 fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: Held) -> f64 {
     let (gear, bearings) = (&scene.gear, &scene.bearings);
     let (places, span) = scene.output_pins_m();
@@ -171,9 +171,9 @@ fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: He
             };
         }
     }
-    let whole = 2.0 * gear.internal_sleeve_radius_m;
+    let diameter = 2.0 * gear.internal_sleeve_radius_m;
     let stated = scene.structure.output_pin_diameter_m;
-    let pin = whole.min(stated.or(bearings.sleeve_bore_m).unwrap_or(whole));
+    let pin = diameter.min(stated.or(bearings.sleeve_bore_m).unwrap_or(diameter));
     32.0 * largest / (PI * pin.powi(3))
 }
 
@@ -320,8 +320,8 @@ impl Limits {
         }
     }
 
-    /// Judges the loads of a gear's parts by balances at few poses, with the bands if there are some; `None` of a gear without load or
-    /// that cannot be balanced.
+    /// Judges the loads of a gear's parts by balances at few poses, with the bands if there are some. Returns `None` for a gear
+    /// without load or balance.
     ///
     /// # Errors
     /// Cancelled.
@@ -335,21 +335,21 @@ impl Limits {
             return Ok(None);
         };
         let poses = Poses::of(scene).few(FEW);
-        let Some(found) = band::balanced(at_poses(&mut statics, (&poses, true), cancel))? else {
+        let Some(solved) = band::balanced(at_poses(&mut statics, (&poses, true), cancel))? else {
             return Ok(None);
         };
-        let mut figures = found.figures();
-        figures.extend(found.of_bearings(scene));
-        figures.extend(self::figures(&found, scene));
-        found.withhold_forces(&mut figures);
+        let mut figures = solved.figures();
+        figures.extend(solved.of_bearings(scene));
+        figures.extend(self::figures(&solved, scene));
+        solved.withhold_forces(&mut figures);
         if let Some(bands) = bands {
             bands.bound_all(&mut figures);
         }
         Ok(Some(Self::of(scene, &figures)))
     }
 
-    /// Judges the gear of a catalogue's data with the largest of its clearances. Where it does not bear its load: its limits, and how many
-    /// times larger a pin circle does, if one is found.
+    /// Judges a gear of catalogue data at the largest of its clearances. If it cannot carry its load, returns its limits and
+    /// the factor on the pin circle that suffices, if one was computed.
     ///
     /// # Errors
     /// Cancelled.
@@ -367,21 +367,21 @@ impl Limits {
                 gear.with_number(key, value + half)
             });
             let gearbox = loosest.ok().and_then(|scene| Gearbox::new(&scene).ok());
-            let found = gearbox.map(|gearbox| Self::of_gear(&gearbox, None, cancel));
-            let Some(found) = found.transpose()?.flatten() else {
+            let solved = gearbox.map(|gearbox| Self::of_gear(&gearbox, None, cancel));
+            let Some(solved) = solved.transpose()?.flatten() else {
                 break;
             };
-            let Some(margin) = found.margin.filter(|margin| *margin < 1.0) else {
+            let Some(margin) = solved.margin.filter(|margin| *margin < 1.0) else {
                 return Ok(weak.map(|weak| (weak, Some(times))));
             };
-            weak.get_or_insert(found);
+            weak.get_or_insert(solved);
             // Pressures of line contacts fall with the diameter to the power of 1.5, or slower where clearances stay.
             times *= LARGER * margin.powf(-2.0 / 3.0);
         }
         Ok(weak.map(|weak| (weak, None)))
     }
 
-    /// The limit with the least margin.
+    /// Returns the limit with the least margin.
     #[must_use]
     pub fn tightest(&self) -> Option<&Limit> {
         self.each

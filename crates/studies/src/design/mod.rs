@@ -66,7 +66,7 @@ const CURVE: usize = 20;
 /// Relative difference within which the largest forces of two bearings count as equal. They are sampled at other poses of
 /// the same mesh: for four gears without errors they differ by 2.4e-4 at most.
 const ALIKE: f64 = 1e-2;
-/// Why a run's loop has no width.
+/// Reason for a loop of a run without a width.
 const FADES: &str = "friction of sleeves, bearings or seals, or play, needs a slower run than this; statics gives the hysteresis";
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
@@ -162,7 +162,7 @@ pub struct DesignResult {
     pub joint: Option<Joint>,
     /// Drawings of the discs.
     pub discs: Vec<Drawing>,
-    /// Balances of the unchanged gear solved before those of the bands, and those known before.
+    /// Number of balances of the unchanged gear solved before the bands, and of stored ones.
     pub balances: [u64; 2],
     /// Evaluations of all contacts for these balances.
     pub evaluations: u64,
@@ -180,15 +180,15 @@ pub fn run(
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
-    let mut found = answers(gearbox, runs, control)?;
+    let mut design = answers(gearbox, runs, control)?;
     // The cheapest method that resolves the forces suffices for a picture.
     let cheap = gearbox.with_solver(|solver| AUTO.clone_into(&mut solver.integrator));
     let cheap = cheap.map_err(|source| of_scene(&gearbox.scene, source.into()))?;
-    found.motion = Motion::of(&cheap, control)?;
-    Ok(found)
+    design.motion = Motion::of(&cheap, control)?;
+    Ok(design)
 }
 
-/// Like [`run`], without the motion.
+/// Computes the design like [`run`], without the motion.
 ///
 /// # Errors
 /// Errors of [`run`].
@@ -198,27 +198,27 @@ pub(crate) fn answers(
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
-    let mut found = figures_by(&mut statics, runs, control)?;
+    let mut design = figures_by(&mut statics, runs, control)?;
     let poses = Poses::of(&gearbox.scene);
-    let rated = (found.rated_torque_n_m, &poses);
-    found.budget = budget::of(&mut statics, working_load(gearbox)?, control)?;
-    found.discs = drawing::discs(&gearbox.scene)?;
+    let rated = (design.rated_torque_n_m, &poses);
+    design.budget = budget::of(&mut statics, working_load(gearbox)?, control)?;
+    design.discs = drawing::discs(&gearbox.scene)?;
     let total = stages(runs);
     let step = &mut |pose: usize, all: usize| {
         let what = format!("joint, pose {} of {all}", pose + 1);
         (control.progress)(Progress::new(total - 2, total, &what));
         Ok(control.check()?)
     };
-    let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
-    found.joint = Some(joint);
-    (found.balances, found.evaluations) = (statics.balances(), statics.evaluations());
+    let joint = Joint::identify(&mut statics, gearbox, rated, &design.efficiency, step)?;
+    design.joint = Some(joint);
+    (design.balances, design.evaluations) = (statics.balances(), statics.evaluations());
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
-    found.bands = band::of_known(statics, control)?;
-    if let Some(bands) = &found.bands {
-        bands.bound_all(&mut found.figures);
+    design.bands = band::of_known(statics, control)?;
+    if let Some(bands) = &design.bands {
+        bands.bound_all(&mut design.figures);
     }
-    found.limits = Limits::of(&gearbox.scene, &found.figures);
-    Ok(found)
+    design.limits = Limits::of(&gearbox.scene, &design.figures);
+    Ok(design)
 }
 
 /// Computes a design without budget, joint, bands and drawings, by a solver that stores the balances.
@@ -258,8 +258,8 @@ fn figures_by(
         (&balances.loaded, rated),
         (&balances.unloaded, NO_LOAD * rated),
     ];
-    let transmission = time_series.map(|(found, torque)| {
-        let error: Vec<f64> = found.iter().map(|pose| ARCMIN * pose.error_rad).collect();
+    let transmission = time_series.map(|(list, torque)| {
+        let error: Vec<f64> = list.iter().map(|pose| ARCMIN * pose.error_rad).collect();
         let spread = Spread::of(error.iter().copied());
         Transmission {
             torque_n_m: torque,
@@ -329,7 +329,7 @@ fn figures_by(
     })
 }
 
-/// The figures of runs.
+/// Returns the figures of runs.
 fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
     let ended = |status: &str| match status {
         "finished" => None,
@@ -412,18 +412,18 @@ fn operating(
     scene.solver.sample_s /= speed;
     scene.solver.integrator = "auto".to_owned();
     let gearbox = compile(&scene)?;
-    let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
-    let account = found.run.stats.energy.last();
-    let account = account.filter(|_| found.run.ending.is_finished());
+    let study = single::run(&gearbox, &Native::REDUCED, false, control)?;
+    let account = study.run.stats.energy.last();
+    let account = account.filter(|_| study.run.ending.is_finished());
     let efficiency = account.and_then(Efficiency::of);
-    let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
+    let error = study.run.uncertainty.as_ref().and_then(|u| u.error);
     let known = efficiency.zip(error);
     Ok(Operating {
         input_speed_rad_s: gearbox.scene.drive.input_speed_rad_s,
         output_torque_n_m: torque,
         uncertainty: known.map(|(e, error)| e.of_losses * error.driver_torque),
         efficiency,
-        status: found.run.ending.word(),
+        status: study.run.ending.word(),
     })
 }
 
@@ -447,7 +447,7 @@ impl DesignResult {
         let own = self.clone();
         let rest = self.rest;
         let of_scene = |source| of_scene(&gearbox.scene, source);
-        // Most settings change the statics, which take a fraction of the time.
+        // Most settings change the statics, which take a fraction of the time of runs.
         let statics = Self {
             scene: own.scene,
             figures: own.figures,
@@ -471,15 +471,15 @@ impl DesignResult {
         if statics != *self {
             return Ok(None);
         }
-        let mut made = run(gearbox, self.cycle.is_some(), control)?;
+        let mut result = run(gearbox, self.cycle.is_some(), control)?;
         // The motion names the scene and is excluded from the comparison.
-        let motion = std::mem::replace(&mut made.motion, statics.motion);
-        let found = Self {
+        let motion = std::mem::replace(&mut result.motion, statics.motion);
+        let again = Self {
             scene: statics.scene,
             rest,
-            ..made
+            ..result
         };
-        Ok((found == *self).then_some(Self { motion, ..found }))
+        Ok((again == *self).then_some(Self { motion, ..again }))
     }
 
     /// Returns the eccentric bearing with the largest force; the first of equally loaded discs.
@@ -505,9 +505,9 @@ impl DesignResult {
         if shares.is_empty() {
             shares.push((budget::CONTACTS, 1.0));
         }
-        let whole: f64 = shares.iter().map(|(_, share)| share).sum();
+        let total: f64 = shares.iter().map(|(_, share)| share).sum();
         for (_, share) in &mut shares {
-            *share *= (1.0 - rest.share) / whole;
+            *share *= (1.0 - rest.share) / total;
         }
         shares.push(("the rest, fitted", rest.share));
         shares
@@ -517,8 +517,8 @@ impl DesignResult {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
-        Summary::new(made, self).write(dir)?;
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
+        Summary::new(origin, self).write(dir)?;
         let torsion = [
             Column::numbers("torque_n_m", &self.torsion.torque_n_m),
             Column::numbers("twist_arcmin", &self.torsion.twist_arcmin),

@@ -66,21 +66,21 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
 
 fn eleven() -> Result<Measured, StudyError> {
     let x: Vec<f64> = (1..=12).map(|k| f64::from(k) * 0.05).collect();
-    let (mut found, mut closed) = (Vec::new(), Vec::new());
+    let (mut play, mut closed) = (Vec::new(), Vec::new());
     for d_mm in &x {
         let mut scene = Scene::paper();
         scene.gear.backlash_m = 1e-3 * d_mm;
-        found.push(1e3 * turn_to_touch(&scene)?);
+        play.push(1e3 * turn_to_touch(&scene)?);
         closed.push(1e3 * free_play(&scene.gear));
     }
     let last = x.len() - 1;
     let numbers = vec![
-        number("free_play_found_mrad", found[last], "mrad"),
+        number("free_play_found_mrad", play[last], "mrad"),
         number("free_play_closed_form_mrad", closed[last], "mrad"),
-        number("apart", found[last] / closed[last] - 1.0, ""),
+        number("apart", play[last] / closed[last] - 1.0, ""),
     ];
     let curves = vec![
-        Curve::points("first touch on the curve", found),
+        Curve::points("first touch on the curve", play),
         Curve::line("closed form", closed),
     ];
     let plot = ("fig-11".to_owned(), x, curves);

@@ -68,13 +68,13 @@ fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact<'_>> {
     let start = time_series.time_s().partition_point(|t| *t < from);
     // Gap between touches of one contact: 2 ms, and a sample at either end.
     let bridged = 42;
-    let mut found = Vec::new();
+    let mut contacts = Vec::new();
     for (sleeve, depth) in time_series.group(PENETRATION).into_iter().enumerate() {
         let touching: Vec<usize> = (0..depth.len()).filter(|&k| depth[k] > 0.0).collect();
         for touches in touching.chunk_by(|one, next| next - one <= bridged) {
             let samples = touches[0]..touches[touches.len() - 1] + 1;
             if samples.start > start && samples.end + bridged <= depth.len() {
-                found.push(Contact {
+                contacts.push(Contact {
                     time_series,
                     sleeve,
                     samples,
@@ -82,8 +82,8 @@ fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact<'_>> {
             }
         }
     }
-    found.sort_by_key(|contact| contact.samples.start);
-    found
+    contacts.sort_by_key(|contact| contact.samples.start);
+    contacts
 }
 
 /// Returns the [`contacts`] without touches of a sample or two: those more than half as long as the longest.
@@ -179,8 +179,8 @@ pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> 
         ("600_points", rough),
     ];
     let cases = runs.models(models, traced)?;
-    let found = Touches::find(&cases)?;
-    let exact = &found.list[0];
+    let touches = Touches::find(&cases)?;
+    let exact = &touches.list[0];
     let stiffness = exact.course(STIFFNESS);
     let (low, high) = (largest(stiffness) - range(stiffness), largest(stiffness));
     let [begins, ends] = exact.times();
@@ -192,7 +192,7 @@ pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> 
         number("stiffness_ratio", high / low, ""),
     ];
     let mut six = Vec::new();
-    for ((name, _), touch) in models.iter().zip(&found.list) {
+    for ((name, _), touch) in models.iter().zip(&touches.list) {
         let rough = roughness(touch.course(STIFFNESS), HALF) / range(stiffness);
         five.push(number(format!("oscillation_{name}"), rough, ""));
         let [onset, later] = swings(touch.course(NORMAL)).map(|swing| 1e3 * swing);
@@ -201,14 +201,14 @@ pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> 
     }
     let slides = 1e3 * range(exact.course(TANGENTIAL));
     six.push(number("tangential_range", slides, "mm/s"));
-    let stiffnesses = vec![found.plot("fig-05", STIFFNESS)];
+    let stiffnesses = vec![touches.plot("fig-05", STIFFNESS)];
     let velocities = vec![
-        found.plot("fig-06a", NORMAL),
-        found.plot("fig-06b", TANGENTIAL),
+        touches.plot("fig-06a", NORMAL),
+        touches.plot("fig-06b", TANGENTIAL),
     ];
     Ok(vec![
-        found.figure("fig-05", five, stiffnesses),
-        found.figure("fig-06", six, velocities),
+        touches.figure("fig-05", five, stiffnesses),
+        touches.figure("fig-06", six, velocities),
     ])
 }
 
@@ -217,20 +217,20 @@ pub(super) fn with_backlash(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError
         traced(s);
         s.gear.backlash_m = d;
     })?;
-    let found = Touches::find(&cases)?;
-    let shift = 1e3 * (found.list[2].times()[0] - found.list[0].times()[0]);
+    let touches = Touches::find(&cases)?;
+    let shift = 1e3 * (touches.list[2].times()[0] - touches.list[0].times()[0]);
     let mut seventeen = cases.numbers("contact_lasts", "ms", |run| 1e3 * duration(run));
     seventeen.push(number("shift_0.6_mm", shift, "ms"));
-    seventeen.push(number("stiffness_apart", found.apart(STIFFNESS), ""));
+    seventeen.push(number("stiffness_apart", touches.apart(STIFFNESS), ""));
     let mut eighteen = cases.numbers("begins_at", "mm/s", |run| 1e3 * onset(run));
-    eighteen.push(number("tangential_apart", found.apart(TANGENTIAL), ""));
-    let stiffnesses = vec![found.plot("fig-17", STIFFNESS)];
+    eighteen.push(number("tangential_apart", touches.apart(TANGENTIAL), ""));
+    let stiffnesses = vec![touches.plot("fig-17", STIFFNESS)];
     let velocities = vec![
-        found.plot("fig-18a", NORMAL),
-        found.plot("fig-18b", TANGENTIAL),
+        touches.plot("fig-18a", NORMAL),
+        touches.plot("fig-18b", TANGENTIAL),
     ];
     Ok(vec![
-        found.figure("fig-17", seventeen, stiffnesses),
-        found.figure("fig-18", eighteen, velocities),
+        touches.figure("fig-17", seventeen, stiffnesses),
+        touches.figure("fig-18", eighteen, velocities),
     ])
 }

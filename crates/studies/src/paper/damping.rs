@@ -35,7 +35,7 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
 /// Runs by the paper's method and step: with Pinwheel's model, with 600 points, with the law as printed, which may pull, and
 /// with both.
 pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
-    let mut found = Measured::new("damping-above-8", Vec::new(), Vec::new());
+    let mut measured = Measured::new("damping-above-8", Vec::new(), Vec::new());
     let mut curves = Vec::new();
     let (mut ended, mut furthest) = (0, 0.0_f64);
     for (model, printed, name, label) in [
@@ -62,7 +62,7 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         }
         for (damping, value) in ABOVE.into_iter().zip(&means).skip(1) {
             let name = format!("mean_torque{name}_c_{damping}");
-            found.numbers.push(number(name, *value, "N m"));
+            measured.numbers.push(number(name, *value, "N m"));
             // NaN: the run diverged.
             let off = (value / means[0] - 1.0).abs();
             furthest = furthest.max(if off.is_nan() { f64::INFINITY } else { off });
@@ -73,7 +73,7 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let scene = Scene::paper();
     let (gear, hertz) = (&scene.gear, scales::hertz(&scene));
     let stiffness = hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
-    found.numbers.extend([
+    measured.numbers.extend([
         number("furthest", furthest, ""),
         number("runs_ended", ended.into(), ""),
         number("runs", (curves.len() * (ABOVE.len() - 1)) as f64, ""),
@@ -82,6 +82,6 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         number("damping_used", scene.contact.damping_n_s_m, "N s/m"),
     ]);
     let plot = ("damping-above-8".to_owned(), ABOVE.to_vec(), curves);
-    found.plots.push(plot);
-    Ok(vec![found])
+    measured.plots.push(plot);
+    Ok(vec![measured])
 }

@@ -163,8 +163,8 @@ impl Measured {
 
     /// Returns a number by its name; NaN if missing.
     pub(super) fn number(&self, name: &str) -> f64 {
-        let found = self.numbers.iter().find(|number| number.def.key == name);
-        found.and_then(|number| number.value).unwrap_or(f64::NAN)
+        let number = self.numbers.iter().find(|number| number.def.key == name);
+        number.and_then(|number| number.value).unwrap_or(f64::NAN)
     }
 }
 

@@ -119,7 +119,7 @@ const GROUPS: [(&[&str], &str, Make); 9] = [
 /// Cancelled, or a required run failed.
 pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, StudyError> {
     let start = Instant::now();
-    let said = Statements::read().map_err(|error| StudyError::Reference {
+    let stated = Statements::read().map_err(|error| StudyError::Reference {
         scene: "the list of claims".to_owned(),
         reason: format!("cannot be read: {error}"),
     })?;
@@ -146,9 +146,9 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     let draw = |(): &mut (), k: usize| -> Result<Vec<Measured>, StudyError> {
         let (names, piece, make) = groups[k];
         step(k + 1, piece)?;
-        let made = make(&runs)?.into_iter().zip(*names);
-        let made = made.filter(|(_, name)| wanted(name));
-        Ok(made.map(|(found, _)| found).collect())
+        let drawn = make(&runs)?.into_iter().zip(*names);
+        let drawn = drawn.filter(|(_, name)| wanted(name));
+        Ok(drawn.map(|(one, _)| one).collect())
     };
     // Timed runs are complete, so all threads may be used.
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -157,14 +157,14 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
         return Err(fault);
     }
     measured.extend(drawn.into_iter().flatten().flatten());
-    let claims = said.claim.iter().filter_map(|claim| {
-        let found = measured.iter().find(|found| found.id == claim.figure)?;
-        Some(claim.claim(found))
+    let claims = stated.claim.iter().filter_map(|claim| {
+        let one = measured.iter().find(|one| one.id == claim.figure)?;
+        Some(claim.claim(one))
     });
     let claims = claims.collect();
-    let figures = measured.into_iter().filter_map(|found| {
-        let figure = said.figure.iter().find(|figure| figure.id == found.id)?;
-        Some(figure.figure(found))
+    let figures = measured.into_iter().filter_map(|one| {
+        let figure = stated.figure.iter().find(|figure| figure.id == one.id)?;
+        Some(figure.figure(one))
     });
     Ok(PaperResult {
         figures: figures.collect(),
@@ -179,7 +179,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
 /// Runs the paper's analyses by its own method and by Pinwheel's, and returns their costs, also as numbers for a claim.
 fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     let mut costs = Vec::new();
-    let mut found = Measured::new("cost", Vec::new(), Vec::new());
+    let mut numbers = Measured::new("cost", Vec::new(), Vec::new());
     let (rough, fine) = (Model::ROUGH, Model::FINE);
     for (what, name, paper_s, model) in [
         ("600 points on a disc", "600_points", Some(240.0), rough),
@@ -188,12 +188,12 @@ fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     ] {
         let run = runs.get(model, |s| "rk2".clone_into(&mut s.solver.integrator))?;
         let name = format!("wall_{name}");
-        found.numbers.push(number(name, run.wall_s, "s"));
+        numbers.numbers.push(number(name, run.wall_s, "s"));
         costs.push(Cost {
             what: what.to_owned(),
             paper_s,
             ours_s: run.wall_s,
         });
     }
-    Ok((costs, found))
+    Ok((costs, numbers))
 }

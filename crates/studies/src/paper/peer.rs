@@ -58,7 +58,7 @@ fn run(
     control: &Control<'_>,
 ) -> Result<Peer, StudyError> {
     let at = control.piece(Progress::new(0, 1, engine.name()));
-    let run = engine.run_compiled(gearbox, &at)?.whole();
+    let run = engine.run_compiled(gearbox, &at)?.finished();
     let run = run.map_err(|ending| StudyError::ended(engine, ending))?;
     let version = engine.version();
     Ok(Peer {
@@ -113,11 +113,11 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let groups = [EXTERNAL, INTERNAL];
     let within = |run: &TimeSeries, window| groups.map(|group| peak(run, group, window));
     let spiky = |run: &TimeSeries| groups.map(|group| spikes(&all(run, group, STEADY)));
-    let mut found = Measured::new("fig-10", Vec::new(), Vec::new());
+    let mut measured = Measured::new("fig-10", Vec::new(), Vec::new());
     let mut add = |name: &str, [external, internal]: [f64; 2]| {
         for (kind, value) in [("external", external), ("internal", internal)] {
             let name = format!("{kind}_peak{name}");
-            found.numbers.push(number(name, value, "N"));
+            measured.numbers.push(number(name, value, "N"));
         }
     };
     add("_ours", within(&ours.time_series, STEADY));
@@ -128,7 +128,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     add("_600_points", rough);
     let mut tried = Vec::new();
     for (name, impact, vertices) in SUSPECTS {
-        let seen = runs.get(Model::Ours, |s| {
+        let result = runs.get(Model::Ours, |s| {
             if let Some(times) = impact {
                 "adams-impact".clone_into(&mut s.contact.law);
                 s.contact.constant_stiffness_n_m15 *= times;
@@ -139,7 +139,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             }
             s.solver.step_s = 5e-6; // for the stiffest of them
         });
-        tried.push(match seen {
+        tried.push(match result {
             Ok(run) => {
                 let [e, i] = within(&run.time_series, STEADY);
                 let [se, si] = spiky(&run.time_series);
@@ -154,7 +154,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         let [e, i] = within(&peer.time_series, STEADY);
         let [se, si] = spiky(&peer.time_series);
         add("_other", [e, i]);
-        found.numbers.extend([
+        measured.numbers.extend([
             number("external_spikes_other", se, ""),
             number("internal_spikes_other", si, ""),
             number("spikes_other", se.max(si), ""),
@@ -166,12 +166,12 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             peer.name,
         );
         let differences = format!("{} {} ", peer.differences, peer.note);
-        found.words = vec![("other", other), ("differences", differences)];
+        measured.words = vec![("other", other), ("differences", differences)];
     }
     let holds = rough.iter().all(|peak| *peak < 200.0);
     let rough = if holds { "holds" } else { "fails" };
-    found.words.push(("with_600_points", rough.to_owned()));
-    found.words.push(("tried", tried.join("; ")));
+    measured.words.push(("with_600_points", rough.to_owned()));
+    measured.words.push(("tried", tried.join("; ")));
     for (key, group) in [("fig-10a", INTERNAL), ("fig-10b", EXTERNAL)] {
         let x = times(&ours.time_series, DRAWN);
         let line = |label: &str, run: &TimeSeries| Curve::line(label, part(run, group, DRAWN));
@@ -181,7 +181,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         ];
         let other = |peer: &Peer| Curve::line(&peer.name, on_grid(&peer.time_series, group, &x));
         curves.extend(runs.peer.map(other));
-        found.plots.push((key.to_owned(), x, curves));
+        measured.plots.push((key.to_owned(), x, curves));
     }
-    Ok(vec![found])
+    Ok(vec![measured])
 }

@@ -28,8 +28,8 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         let exact = all(&exact[0].2.time_series, group, STEADY);
         cases.numbers(what, "", |run| off(&all(run, group, STEADY), &exact))
     };
-    let mut found = errors("internal_error", INTERNAL);
-    found.extend(errors("external_error", EXTERNAL));
-    found.extend(oscillation);
-    Ok(vec![Measured::new("fig-09", found, plots)])
+    let mut numbers = errors("internal_error", INTERNAL);
+    numbers.extend(errors("external_error", EXTERNAL));
+    numbers.extend(oscillation);
+    Ok(vec![Measured::new("fig-09", numbers, plots)])
 }

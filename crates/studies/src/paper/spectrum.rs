@@ -82,7 +82,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         (Model::ROUGH, 0.0, "600 points"),
     ];
     let x: Vec<f64> = (1..=shown).map(|k| k as f64 / TURNS.1 as f64).collect();
-    let mut found = Measured::new("spectrum", Vec::new(), Vec::new());
+    let mut result = Measured::new("spectrum", Vec::new(), Vec::new());
     for (key, channel) in [("spectrum-a", INPUT), ("spectrum-b", OUTPUT)] {
         let mut curves = Vec::new();
         for (model, backlash, words) in cases {
@@ -97,11 +97,11 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             let at = |order: f64| bins.get(bin(order)).copied().unwrap_or(f64::NAN);
             if channel == INPUT {
                 let name = format!("predicted_share, {words}");
-                found.numbers.push(number(name, share(&bins, &orders), ""));
+                result.numbers.push(number(name, share(&bins, &orders), ""));
             }
             if curves.is_empty() {
                 if channel == INPUT {
-                    found.numbers.extend([
+                    result.numbers.extend([
                         number("input_amplitude_order_16", at(16.0), "N m"),
                         number("input_amplitude_order_8.533", at(128.0 / 15.0), "N m"),
                     ]);
@@ -117,11 +117,11 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             }
             curves.push(Curve::line(words, bins.get(1..=shown).unwrap_or(&[])));
         }
-        found.plots.push((key.to_owned(), x.clone(), curves));
+        result.plots.push((key.to_owned(), x.clone(), curves));
     }
     let frequencies = derived(&scene).frequencies;
     let mesh = frequencies.iter().find(|f| f.order == 16.0);
     let hertz = mesh.map_or(f64::NAN, |f| f.hertz);
-    found.numbers.push(number("order_16_hz", hertz, "Hz"));
-    Ok(vec![found])
+    result.numbers.push(number("order_16_hz", hertz, "Hz"));
+    Ok(vec![result])
 }

@@ -20,7 +20,7 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
 }
 
 fn ripple(runs: &Runs<'_>, id: &'static str, channel: &str) -> Result<Measured, StudyError> {
-    let mut found = Measured::new(id, Vec::new(), Vec::new());
+    let mut measured = Measured::new(id, Vec::new(), Vec::new());
     let moving = Start::Kinematic;
     let ends = [BACKLASHES[0], BACKLASHES[2]];
     for (name, model, start, window) in [
@@ -34,7 +34,7 @@ fn ripple(runs: &Runs<'_>, id: &'static str, channel: &str) -> Result<Measured, 
             s.gear.backlash_m = d;
             s.drive.start = start;
         })?;
-        found.numbers.extend(cases.ranges(name, channel, window));
+        measured.numbers.extend(cases.ranges(name, channel, window));
     }
     for (letter, model, window) in [
         ("a", Model::Ours, (0.0, 0.24)),
@@ -43,9 +43,9 @@ fn ripple(runs: &Runs<'_>, id: &'static str, channel: &str) -> Result<Measured, 
     ] {
         let cases = runs.backlashes(model)?;
         let plot = cases.plot(&format!("{id}{letter}"), channel, window);
-        found.plots.push(plot);
+        measured.plots.push(plot);
     }
-    Ok(found)
+    Ok(measured)
 }
 
 /// Returns the difference of a signal's last period from the one before, relative to its own variation.
@@ -64,10 +64,10 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
     let turn = TAU / Scene::paper().drive.input_speed_rad_s;
     let period = turn * gear.lobes() as f64 / gear.external_sleeves as f64;
     let samples = 1000;
-    let whole = (LONG / period).floor();
+    let periods = (LONG / period).floor();
     let mut curves = Vec::new();
     let mut x = Vec::new();
-    let mut found = Measured::new("fig-16", Vec::new(), Vec::new());
+    let mut measured = Measured::new("fig-16", Vec::new(), Vec::new());
     for (name, model, d) in [
         ("unlike_0", Model::Ours, 0.0),
         ("unlike_0.6_mm", Model::Ours, 6e-4),
@@ -77,17 +77,17 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
         let run = runs.get(model, |s| {
             s.gear.backlash_m = d;
             s.solver.sample_s = period / f64::from(samples);
-            s.solver.duration_s = whole * period;
+            s.solver.duration_s = periods * period;
         })?;
         let torque = part(&run.time_series, OUTPUT, (0.0, LONG));
         let unlike = unlike_before(torque, samples as usize);
-        found.numbers.push(number(name, unlike, ""));
+        measured.numbers.push(number(name, unlike, ""));
         // Every third sample suffices for the page: 8 kHz.
         let thin = |values: &[f64]| values.iter().copied().step_by(3).collect::<Vec<_>>();
         x = thin(&times(&run.time_series, (0.0, LONG)));
         let label = format!("{}, {}", backlash(d), model.words());
         curves.push(Curve::line(label, thin(torque)));
     }
-    found.plots.push(("fig-16".to_owned(), x, curves));
-    Ok(found)
+    measured.plots.push(("fig-16".to_owned(), x, curves));
+    Ok(measured)
 }

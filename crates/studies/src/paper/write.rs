@@ -27,18 +27,18 @@ impl PaperResult {
         &self,
         dir: &Path,
         options: &Options,
-        made: &Provenance,
+        origin: &Provenance,
     ) -> Result<(), OutputError> {
         for plot in self.figures.iter().flat_map(|figure| &figure.plots) {
             let place = output::folder(dir, &plot.key)?;
             output::write_with(&place, "courses.csv", |sink| table(plot).write_csv(sink))?;
         }
-        let found = PaperSummary {
+        let summary = PaperSummary {
             against: options.peer.as_ref().map(|peer| peer.name.as_str()),
             paper: self,
         };
         output::write_text(&dir.join("claims.md"), &self.claims_table())?;
-        Summary::new(made, found).write(dir)
+        Summary::new(origin, summary).write(dir)
     }
 
     /// Returns the claims as a table in Markdown for `docs/physics.md`, one line each after its head.

@@ -264,8 +264,8 @@ impl Atlas {
             control.check()?;
             row(name, options, control)
         };
-        let (found, fault) = pool::map(jobs, open.len(), || (), study);
-        for (k, row) in open.into_iter().zip(found) {
+        let (rows, fault) = pool::map(jobs, open.len(), || (), study);
+        for (k, row) in open.into_iter().zip(rows) {
             self.rows[k] = row;
         }
         fault.map_or(Ok(()), Err)
@@ -358,8 +358,8 @@ fn cell(
     if run.ending.is_finished() {
         cell.error = judge.error(&run.time_series);
         cell.level = Some(LoadMagnitude::of(&run.time_series));
-        let whole = run.stats.energy.first();
-        cell.energy_remainder_share = whole.and_then(|audit| audit.remainder_share);
+        let audit = run.stats.energy.first();
+        cell.energy_remainder_share = audit.and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.stats.joint_drift_m.unwrap_or(0.0);
         cell.evaluations = run.stats.rhs_calls;
     }

@@ -136,14 +136,14 @@ impl<'a> Judge<'a> {
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {
             return Some(Failure::Drift { joint_m });
         }
-        let found = LoadMagnitude::of(&run.time_series);
+        let own = LoadMagnitude::of(&run.time_series);
         let floor = FORCE_SHARE * self.scales.external_force_n;
         let peak = self.level.peak_force_n.max(floor);
-        let peak_ratio = found.peak_force_n / peak;
+        let peak_ratio = own.peak_force_n / peak;
         if !(peak_ratio <= PEAK_RATIO) {
             return Some(Failure::Chatter { peak_ratio });
         }
-        let off = (found.mean_torque_n_m - self.level.mean_torque_n_m).abs();
+        let off = (own.mean_torque_n_m - self.level.mean_torque_n_m).abs();
         let floor = TORQUE_SHARE * self.scales.wheel_torque_n_m;
         let share = off / self.level.rms_torque_n_m.max(floor);
         if !(share <= MEAN_SHARE) {

@@ -29,13 +29,13 @@ impl Atlas {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
         write_with(dir, "stability.csv", |sink| self.table().write_csv(sink))?;
         let studied = Studied {
             finished: self.rows.iter().all(Option::is_some),
             atlas: self,
         };
-        Summary::new(made, studied).write(dir)
+        Summary::new(origin, studied).write(dir)
     }
 
     /// Reads the interrupted atlas of `options` from its files in `dir`.
@@ -71,9 +71,9 @@ impl Atlas {
         });
         type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
         let word = |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map(of).unwrap_or_default();
-        let failure = word(|cell| said(cell.failure.as_ref(), Failure::word));
-        let first = word(|cell| said(cell.fails_first.as_ref(), Failure::word));
-        let how = word(|cell| said(cell.fails_first.as_ref(), Failure::sentence));
+        let failure = word(|cell| text_of(cell.failure.as_ref(), Failure::word));
+        let first = word(|cell| text_of(cell.fails_first.as_ref(), Failure::word));
+        let how = word(|cell| text_of(cell.fails_first.as_ref(), Failure::sentence));
         let never = word(|cell| cell.never_failed.to_string());
         Table::of("Every scene with every method", rows)
             .text("scene", "Scene", |(row, _)| &row.scene)
@@ -99,7 +99,7 @@ impl Atlas {
                 row.1?.energy_remainder_share
             })
             .number("joint_drift_m", "Joints", |row| Some(row.1?.joint_drift_m))
-            .whole("evaluations", "Evaluations", |row| Some(row.1?.evaluations))
+            .integers("evaluations", "Evaluations", |row| Some(row.1?.evaluations))
             .text("refused", "Refused", |(row, cell)| {
                 let reason = row.refused.as_deref().filter(|_| cell.is_none());
                 reason.unwrap_or_default()
@@ -109,6 +109,6 @@ impl Atlas {
 }
 
 /// Returns a text about a failure; empty without one.
-fn said<W: Into<String>>(failure: Option<&Failure>, of: fn(&Failure) -> W) -> String {
+fn text_of<W: Into<String>>(failure: Option<&Failure>, of: fn(&Failure) -> W) -> String {
     failure.map_or_else(String::new, |failure| of(failure).into())
 }

@@ -1,4 +1,4 @@
-//! The cause: the change of the model, or the two, that explain a residual best.
+//! Search for a cause: the one or two changes of the model that explain a residual best.
 
 use std::cmp::Reverse;
 
@@ -9,52 +9,52 @@ use super::judged::{ROUNDING, SURE, Stage, percent};
 use super::model::{Change, Changes, Model, Work};
 use super::suspects::{self, Size, Suspect};
 
-/// Likely cause.
+/// Likely cause of a difference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cause {
-    /// Parts: one, or two where one alone explains too little.
+    /// Changes that form the cause: one, or two if none alone explains enough.
     pub parts: Vec<Part>,
-    /// Parts of every other cause that explains as much.
+    /// Changes of every other cause that explains as much.
     pub others: Vec<Vec<Part>>,
-    /// Share of the residual's square that it explains.
+    /// Share of the squared residual that the cause explains.
     pub explained: f64,
-    /// Relative L2 distance of the run's forces from a native run, without the change and with it.
+    /// Relative L2 distance of the run's forces from a native run, without the cause and with it.
     pub distance: Option<[f64; 2]>,
 }
 
-/// Change of the model that is a cause.
+/// Change of the model as part of a cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
-    /// Stage in which it acts.
+    /// Stage that the change affects.
     pub stage: Stage,
     /// Kind in one word: `inertia`, `load`, `friction`, `stiffness`, `damping`, `curvature`, `phase`, `step`, ...
     pub word: &'static str,
-    /// The change with its size, in words.
+    /// Change with its size, in words.
     pub what: String,
-    /// Size of the change: factor less 1; of angles the angle, rad; of forms that are or are not, 1.
+    /// Size of the change: factor minus 1, an angle in rad, or 1 for a change that is either present or not.
     pub size: f64,
-    /// Error of the size, if all that is unexplained has one cause.
+    /// Error of the size if the entire unexplained residual is due to it.
     pub plus_minus: f64,
 }
 
 impl Cause {
-    /// First stage in which it acts.
+    /// Returns the first stage that the cause affects.
     pub fn stage(&self) -> Option<Stage> {
         self.stages().first().copied()
     }
 
-    /// First stage in which each acts that explains as much, the likeliest first.
+    /// Returns the first affected stage of each equally good cause, the likeliest first.
     pub fn stages(&self) -> Vec<Stage> {
         let first = |parts: &Vec<Part>| parts.iter().map(|part| part.stage).min();
         self.all().filter_map(first).collect()
     }
 
-    /// Parts of each that explains as much.
+    /// Iterates over the changes of each equally good cause.
     fn all(&self) -> impl Iterator<Item = &Vec<Part>> {
         std::iter::once(&self.parts).chain(&self.others)
     }
 
-    /// The stage and the cause with its figure.
+    /// Returns stage and cause in words, with the size.
     pub fn words(&self) -> String {
         let all = |or, of: fn(&Part) -> &str| {
             let each = self.all().map(|parts| {
@@ -77,64 +77,65 @@ impl Cause {
     }
 }
 
-/// Alternatives in words; those that differ in the disc alone name each disc.
+/// Joins alternatives in words; alternatives that differ only in the disc are merged.
 fn either(all: impl Iterator<Item = String>, or: &str) -> String {
-    let mut said: Vec<[String; 3]> = Vec::new();
+    let mut merged: Vec<[String; 3]> = Vec::new();
     for one in all {
         let number = one.find("disc ").map_or(one.len(), |at| at + 5);
         let (start, rest) = one.split_at(number);
         let end = rest.trim_start_matches(|c: char| c.is_ascii_digit());
         let disc = &rest[..rest.len() - end.len()];
-        let mut alike = said.iter_mut();
+        let mut alike = merged.iter_mut();
         match alike.find(|it| it[0] == start && it[2] == end) {
             Some([_, discs, _]) if discs.split(" or ").any(|it| it == disc) => {}
             Some([_, discs, _]) => *discs += &format!(" or {disc}"),
-            None => said.push([start, disc, end].map(str::to_owned)),
+            None => merged.push([start, disc, end].map(str::to_owned)),
         }
     }
-    let said: Vec<String> = said.iter().map(|parts| parts.concat()).collect();
-    said.join(or)
+    let merged: Vec<String> = merged.iter().map(|parts| parts.concat()).collect();
+    merged.join(or)
 }
 
-/// Cause with the changes of the model that are its parts.
-pub(super) type Found = (Cause, Vec<Change>);
+/// Cause with the changes of the model that form it.
+pub(super) type Explained = (Cause, Vec<Change>);
 
-/// Changes of a cause, with their sizes.
-pub(super) fn changes((cause, changes): &Found) -> Changes<'_> {
+/// Returns the changes of a cause with their sizes.
+pub(super) fn changes((cause, changes): &Explained) -> Changes<'_> {
     let sizes = cause.parts.iter().map(|part| part.size);
     changes.iter().zip(sizes).collect()
 }
 
-/// Values of a model that a run is held against.
+/// Function that evaluates a model to the values with which a run is compared.
 pub(super) type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 
-/// Changes that explain almost the same are told apart by their factor: a sign or a missing part is more likely than any.
+/// Difference of the explained shares below which causes count as equally good. Among these, a sign error or a missing part is
+/// the likeliest.
 const ALIKE: f64 = 1e-4;
-/// Ratio of what two changes leave from which on they are not alike, unless both leave roundings.
+/// Ratio of unexplained shares from which causes are not equally good, unless both leave only rounding errors.
 const NEARLY: f64 = 10.0;
 const SAME: f64 = 1e-8;
-/// Factor on a mass that is missing.
+/// Factor on a mass that is left out.
 const LIGHTEST: f64 = 1e-9;
-/// Share that a change explains linearly less than one that it cannot be told from.
+/// Margin of the linearly explained share within which other changes are still fitted after an exact one.
 const BESIDE: f64 = 0.01;
-/// Share that a change explains linearly before it is followed further: large ones are far from linear.
+/// Least linearly explained share of a change that is fitted. The share of a large change is far from its linear one.
 const LEAST: f64 = 0.05;
-/// Changes, and pairs of changes, that are followed.
+/// Number of changes, and of pairs of changes, that are fitted; ties are fitted too.
 const FOLLOWED: usize = 6;
-/// Share of a small size that is none.
+/// Fitted size that counts as 0, as a share of the change's small size.
 const NOTHING: f64 = 1e-2;
-/// Standard errors that each size is above 0.
+/// Least ratio of a size to its standard error.
 const CLEAR: f64 = 10.0;
 
-/// Fits every suspect that is asked for to a run's values and the native ones, and returns the best that explains at least `least`.
-/// Two may where one explains too little and the step's own error is known.
+/// Fits the suspected changes to the values of a run and of the native model, and returns the best cause that explains at least
+/// `least`. Pairs of changes are tried if no single one suffices and the error of the step is known.
 pub(super) fn cause(
     work: &Work<'_>,
     [run, native]: [&[f64]; 2],
     least: f64,
     is_asked: fn(&Suspect) -> bool,
     values: Values<'_>,
-) -> Option<Found> {
+) -> Option<Explained> {
     let mut suspects = suspects::of(work.gearbox);
     suspects.retain(is_asked);
     let predict = |of: &[usize], sizes: &[f64]| {
@@ -149,17 +150,17 @@ pub(super) fn cause(
     };
     let slopes: Vec<(usize, Vec<f64>)> = (0..suspects.len()).filter_map(slopes).collect();
     let residual = less(run, native);
-    let whole = dot(&residual, &residual);
-    // Share that changes explain linearly.
+    let total = dot(&residual, &residual);
+    // Share that the changes explain in the linear approximation.
     let share = |of: &[usize]| {
         let views: Vec<&[f64]> = of.iter().map(|k| slopes[*k].1.as_slice()).collect();
         let sizes = sizes(&views, &residual);
         let each = sizes.iter().zip(&views);
         each.map(|([size, _], slope)| size * dot(slope, &residual))
             .sum::<f64>()
-            / whole
+            / total
     };
-    // The likeliest first of those that look alike.
+    // Best causes; the likeliest first among equally good ones.
     let best = |sets: Vec<Vec<usize>>, least: f64| {
         let telling = |(of, fit): &(Vec<usize>, Fit)| {
             let each = of.iter().zip(&fit.sizes);
@@ -175,7 +176,7 @@ pub(super) fn cause(
             if share < enough {
                 break;
             }
-            // Those that look alike belong together.
+            // Ties are fitted together.
             if number + 1 == FOLLOWED {
                 enough = enough.max(share - ALIKE);
             }
@@ -187,7 +188,7 @@ pub(super) fn cause(
                 continue;
             };
             let free = (run.len() as f64).sqrt();
-            // One of two may be nothing.
+            // One change of a pair may be zero.
             let each = of.into_iter().zip(fit.sizes);
             let (of, sizes): (Vec<usize>, Vec<[f64; 2]>) = each
                 .filter(|(k, [size, _])| size.abs() > NOTHING * suspects[*k].limits()[0])
@@ -195,32 +196,32 @@ pub(super) fn cause(
             let mut each = sizes.iter();
             let is_clear = each.all(|[size, error]| free * size.abs() > CLEAR * error);
             if fit.explained >= least && is_clear {
-                let found = (of, Fit { sizes, ..fit });
-                // None explains more or is more likely, and those that explain as much do so linearly.
-                if 1.0 - found.1.explained < ALIKE && telling(&found) == found.0.len() {
+                let tried = (of, Fit { sizes, ..fit });
+                // No other cause explains more or is likelier; equally good ones have about the same linear share.
+                if 1.0 - tried.1.explained < ALIKE && telling(&tried) == tried.0.len() {
                     enough = enough.max(share - BESIDE);
                 }
-                fits.push(found);
+                fits.push(tried);
             }
         }
         let each = fits.iter().map(|(_, fit)| fit.explained);
         let most = each.fold(0.0, f64::max);
-        // What is exact is told from what is almost so.
+        // Exact causes are distinguished from almost exact ones.
         let apart = ALIKE.min(SAME + NEARLY * (1.0 - most));
         fits.retain(|(_, fit)| most - fit.explained < apart);
-        fits.sort_by_cached_key(|found| (Reverse(telling(found)), found.0.clone()));
+        fits.sort_by_cached_key(|tried| (Reverse(telling(tried)), tried.0.clone()));
         fits.dedup_by(|a, b| a.0 == b.0);
         fits
     };
     let singles = (0..slopes.len()).map(|k| vec![k]);
-    let mut found = best(singles.collect(), least);
-    if found.is_empty() && least != SURE {
+    let mut fits = best(singles.collect(), least);
+    if fits.is_empty() && least != SURE {
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
-        found = best(pairs.collect(), least.max(SURE));
+        fits = best(pairs.collect(), least.max(SURE));
     }
-    // The best may be among those that were not followed.
-    let found = Some(found).filter(|_| work.left() > 0)?;
-    let (first, fit) = found.first()?;
+    // If the evaluations ran out, a better cause may not have been fitted.
+    let fits = Some(fits).filter(|_| work.left() > 0)?;
+    let (first, fit) = fits.first()?;
     let part = |(k, [size, plus_minus]): (&usize, &[f64; 2])| {
         let suspect = &suspects[*k];
         Part {
@@ -232,7 +233,7 @@ pub(super) fn cause(
         }
     };
     let parts = |(of, fit): &(Vec<usize>, Fit)| of.iter().zip(&fit.sizes).map(part).collect();
-    let mut all = found.iter().map(parts);
+    let mut all = fits.iter().map(parts);
     let cause = Cause {
         parts: all.next()?,
         others: all.collect(),
@@ -245,7 +246,7 @@ pub(super) fn cause(
 }
 
 impl Suspect {
-    /// Returns a size that changes the model linearly, and the least size.
+    /// Returns a small size, at which the change acts linearly, and the least admissible size.
     fn limits(&self) -> [f64; 2] {
         let small = match self.size {
             Size::Shift(_, small) => small,
@@ -260,7 +261,7 @@ impl Suspect {
 }
 
 impl Size {
-    /// True for a size that faults have: the other sign, nothing, twice, the other form.
+    /// True for a typical size of a fault: opposite sign, zero, double, or the other form.
     fn is_telling(self, size: f64) -> bool {
         let known: &[f64] = match self {
             Self::Factor => &[-2.0, -1.0, 1.0],
@@ -270,7 +271,7 @@ impl Size {
         known.iter().any(|known| (size - known).abs() < 0.02)
     }
 
-    /// The change in words, with its size.
+    /// Returns the change in words, with its size.
     fn words(self, what: &str, size: f64, plus_minus: f64) -> String {
         let off = plus_minus.max(ROUNDING);
         let telling = self.is_telling(size);

@@ -1,4 +1,4 @@
-//! Two models: the second one at the states of the first.
+//! Comparison of two models: the second is evaluated at the states of the first.
 
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::{Frequencies, Gearbox};
@@ -13,17 +13,17 @@ use super::motion::{Sample, numbered, strengths};
 use super::pictures::Picture;
 use super::states;
 
-/// Radians of the contacts' vibration from one sample to the next.
+/// Interval between samples, radians of the contacts' vibration.
 const SAMPLE_RAD: f64 = 1.0;
 
-/// Native run of a model, at whose states others are judged.
+/// Native run of a model; other models are evaluated at its states.
 pub struct Course<'a> {
     gearbox: &'a Gearbox,
     samples: Vec<Sample>,
 }
 
 impl<'a> Course<'a> {
-    /// Follows a model from its start; `None` where it has no reduced form.
+    /// Runs a model from its start; `None` if it has no reduced form.
     pub fn of(gearbox: &'a Gearbox) -> Option<Self> {
         let work = Work::new(gearbox, u64::MAX);
         let mut model = Model::new(&work, Vec::new())?;
@@ -35,7 +35,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Judges each stage of a model at the states of another. `None`: the two have not the same bodies, or no reduced form.
+/// Judges each stage of a model at the states of another; `None` if their bodies differ or one has no reduced form.
 pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let (a, samples) = (course.gearbox, &course.samples);
     if a.layout != b.layout || a.floats() != b.floats() {
@@ -49,7 +49,7 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let written = rows(&mut first, samples);
     let [from, of] = [(a, &first), (b, &second)]
         .map(|(gearbox, model)| states::Columns::of(gearbox, model.free()));
-    // A pin that turns in one alone does there as at the start.
+    // A pin that turns only in the second model keeps its initial angle.
     let places = |y: &[f64], otherwise: &[f64]| -> Vec<f64> {
         let place = |name: &Option<String>| {
             let mut own = from.names.iter();
@@ -70,7 +70,7 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let mut stages = vec![begun];
     let mut pictures = vec![picture];
     stages.extend(by_columns(&columns, None));
-    // Both know their pairs, with and without force.
+    // Both models know their pairs, with and without force.
     let (mut deepest, mut apart) = (f64::MIN_POSITIVE, Vec::new());
     for (own, (_, two)) in samples.iter().zip(&columns.contacts) {
         let (_, one) = first.pairs(own.time_s, &own.y);
@@ -122,7 +122,7 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
         pictures,
         ..Located::default()
     };
-    Some(located.seen())
+    Some(located.with_pictures())
 }
 
 /// Judges a stage by the largest value of its picture over time.

@@ -1,4 +1,4 @@
-//! An engine's run with its states, and one with a smaller step.
+//! Judgement of an engine's run with states, and of a second run with a smaller step.
 
 use std::cell::Cell;
 
@@ -11,26 +11,27 @@ use super::kept::of_record;
 use super::locate::{Located, Runs, locate};
 use super::states;
 
-/// Samples of a run to be judged, those after its departure, and those of a run of unknown cost that judging is measured by.
+/// Number of samples of a judged run, of those after the departure, and of the run that measures an unknown cost.
 const SAMPLES: f64 = 100.0;
 const AFTER: f64 = 20.0;
 const SHORTEST: f64 = 1500.0;
-/// Evaluations of the shortest run that judging is measured by, without the search for what is off, with it, and with it where
-/// there is friction: some hundredths and tenths of a second.
+/// Evaluations of the shortest measuring run: without a search for the cause, with it, and with it under friction. They take
+/// some hundredths to tenths of a second.
 const LEAST: [u64; 3] = [10_000, 50_000, 150_000];
-/// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
+/// Factor on the step, or on the tolerance with the least factor on the error.
 const STEP: f64 = 4.0;
 const TOLERANCE: [f64; 2] = [100.0, 4.0];
-/// Times that it is made smaller while the motion is off and nothing explains it.
+/// Largest number of refinements while the motion is off and unexplained.
 const LEVELS: i32 = 2;
-/// Cost of a run and of one with a smaller step, with as much for judging them.
+/// Cost of a run and of one with a smaller step, and the same again for judging both.
 const COST: f64 = 2.0 * (1.0 + STEP);
-/// Share of what is left that a run with a smaller step may take, and the least number of its samples.
+/// Share of the remaining evaluations that a run with a smaller step may use, and the least number of its samples.
 const REST: f64 = 0.6;
 const FEWEST: usize = 10;
 
-/// Runs a scene on an engine, until `until_s` and with samples that its vibration shows, and judges its stages at the cost of a
-/// whole run: so many `evaluations` of forces, if known. `None`: it does not run, or the scene has no reduced form.
+/// Runs a scene on an engine until `until_s` and judges its stages. Samples resolve the vibration. The judgement may cost as
+/// much as the complete run: `evaluations` of forces, if known. Returns `None` if the engine does not run or the scene has no
+/// reduced form.
 ///
 /// # Errors
 /// A stop.
@@ -63,7 +64,7 @@ pub fn of_engine(
     let Ok(Ok(short)) = short else {
         return Ok(None);
     };
-    // Evaluations so far.
+    // Evaluations used so far.
     let taken = Cell::new(0);
     let run = |gearbox: &Gearbox| -> Result<Option<(TimeSeries, u64)>, Cancelled> {
         let run = engine.run_compiled(gearbox, control)?;
@@ -72,41 +73,41 @@ pub fn of_engine(
         let counts = [run.stats.rhs_calls, run.stats.steps, stated];
         let count = counts.into_iter().find(|count| *count > 0).unwrap_or(1);
         taken.set(taken.get() + count);
-        // What there is until a run diverges may show why.
+        // The part of a run before it diverges may show the cause.
         let is_enough = run.ending.is_finished() || run.time_series.len() > FEWEST;
         Ok(is_enough.then_some((run.time_series, count)))
     };
     let Some((mut own, mut count)) = run(&short)? else {
         return Ok(None);
     };
-    let whole = match evaluations {
+    let limit = match evaluations {
         Some(all) => all.max(LEAST[0]),
         None => (count as f64 * whole_s / short.scene.solver.duration_s) as u64,
     };
-    let search = whole.max(LEAST[1 + usize::from(gearbox.has_friction())]);
-    // `kept`: evaluations that the search for a cause leaves.
+    let search = limit.max(LEAST[1 + usize::from(gearbox.has_friction())]);
+    // `kept`: evaluations that the search for a cause must leave.
     let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>, kept: u64| {
         let name = engine.name();
-        // Without states the columns alone may show a cause.
-        let left = [whole, search - kept].map(|most| most.saturating_sub(taken.get()));
+        // Without states, only the columns can show a cause.
+        let left = [limit, search - kept].map(|most| most.saturating_sub(taken.get()));
         let by_columns = || of_record(gearbox, name, run, left[1] + kept);
         let is_blind = !states.missing(run).is_empty();
-        let found = is_blind.then(by_columns).flatten();
+        let located = is_blind.then(by_columns).flatten();
         let runs = Runs {
             name,
             run,
             finer,
             evaluations: left,
         };
-        let mut found = found.or_else(|| locate(gearbox, runs))?;
-        taken.set(taken.get() + found.evaluations[0]);
-        found.evaluations = [taken.get(), whole];
-        if found.first().is_none() && long_s < asked_s {
-            found.left_out = Some(format!(
+        let mut located = located.or_else(|| locate(gearbox, runs))?;
+        taken.set(taken.get() + located.evaluations[0]);
+        located.evaluations = [taken.get(), limit];
+        if located.first().is_none() && long_s < asked_s {
+            located.left_out = Some(format!(
                 "it departs at t = {until_s:.3e} s, and the cost of a run reaches to {long_s:.3e} s"
             ));
         }
-        Some(found)
+        Some(located)
     };
     let ends = own.time_s().last() >= Some(&(short.scene.solver.duration_s - 0.5 * sample_s));
     let Some(refinement) = engine.info().refinement.filter(|_| ends) else {
@@ -122,8 +123,8 @@ pub fn of_engine(
     let mut located: Option<Located> = None;
     let mut cost = STEP * count as f64;
     for level in 1..=LEVELS {
-        // A smaller step may have the time for some of the samples alone.
-        let most = if level > 1 { search } else { whole };
+        // A run with a smaller step may have to end earlier.
+        let most = if level > 1 { search } else { limit };
         let share = (REST * most.saturating_sub(taken.get()) as f64 / cost).min(1.0);
         let last = (share * (own.len() - 1) as f64) as usize;
         if let Some(open) = located.take_if(|_| last < FEWEST) {
@@ -139,18 +140,18 @@ pub fn of_engine(
                 AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
             }
         });
-        let found = fine.ok().map(|fine| run(&fine)).transpose()?.flatten();
-        let found = found.filter(|(finer, _)| finer.len() == own.len());
-        let Some((finer, more)) = found else {
+        let finer = fine.ok().map(|fine| run(&fine)).transpose()?.flatten();
+        let finer = finer.filter(|(finer, _)| finer.len() == own.len());
+        let Some((finer, more)) = finer else {
             return Ok(located.or_else(|| judge(&own, None, 0)));
         };
         cost = (more as f64).powi(2) / (count as f64 * share);
-        // The search leaves enough to confirm that the motion is off.
+        // The search leaves evaluations to confirm that the motion is off.
         let kept = if level < LEVELS { search / 8 } else { 0 };
         located = judge(&own, Some((&finer, falls)), kept);
         // Steps that are far too long show no order.
         let is_open =
-            |found: &Located| found.cause.is_none() && found.first() >= Some(Stage::Equations);
+            |place: &Located| place.cause.is_none() && place.first() >= Some(Stage::Equations);
         if !located.as_ref().is_some_and(is_open) {
             break;
         }

@@ -1,17 +1,17 @@
-//! Least squares of a residual on changes of the model.
+//! Least-squares fit of changes of the model to a residual.
 
-/// Result of the fit of changes to what a run shows.
+/// Result of a fit of changes to a run.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fit {
-    /// Size of each change, and its error if all that is left is of one cause.
+    /// Size of each change, and its error if the entire remaining residual is due to it.
     pub sizes: Vec<[f64; 2]>,
-    /// Share of the residual's square that the changes take away.
+    /// Share of the squared residual that the changes remove.
     pub explained: f64,
 }
 
-/// Steps of the fit.
+/// Largest number of Newton steps.
 const STEPS: usize = 16;
-/// Share of what is left that a step gains at least.
+/// Least share of the remaining residual that a step must remove.
 const LITTLE: f64 = 0.05;
 
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -26,7 +26,8 @@ fn add(to: &mut [f64], by: f64, of: &[f64]) {
     to.iter_mut().zip(of).for_each(|(a, b)| *a += by * b);
 }
 
-/// Sizes of one or two changes that explain `residual` best, and the square of each slope's part that is not the other's.
+/// Returns the sizes of one or two changes that explain `residual` best, and the square of the part of each slope that is
+/// independent of the other.
 pub(super) fn sizes(slopes: &[&[f64]], residual: &[f64]) -> Vec<[f64; 2]> {
     let own = |k: usize| {
         let mut own = slopes[k].to_vec();
@@ -40,11 +41,11 @@ pub(super) fn sizes(slopes: &[&[f64]], residual: &[f64]) -> Vec<[f64; 2]> {
     (0..slopes.len()).map(own).collect()
 }
 
-/// Values of a model with changes of given sizes.
+/// Function that evaluates a model with changes of given sizes.
 pub(super) type Predict<'a> = &'a mut dyn FnMut(&[f64]) -> Option<Vec<f64>>;
 
-/// Change of the values by a small change per size, where they are `values` without it. A model that barely exists may have one
-/// side alone.
+/// Returns the derivative of the values with respect to the size of a change, by the difference to `values` at `small`; at
+/// `-small` if the model exists only there.
 pub(super) fn slope(small: f64, values: &[f64], predict: Predict<'_>) -> Option<Vec<f64>> {
     [small, -small].into_iter().find_map(|small| {
         let mut slope = less(&predict(&[small])?, values);
@@ -53,8 +54,8 @@ pub(super) fn slope(small: f64, values: &[f64], predict: Predict<'_>) -> Option<
     })
 }
 
-/// Fits changes to `target`, by Newton's steps from no change, where the model gives `base` and the `slopes`. `limits` has of each
-/// change a size that changes the model linearly, and the least size.
+/// Fits changes to `target` by Newton's method. Without changes the model gives `base` with the derivatives `slopes`. `limits`
+/// has a small size and the least admissible size of each change.
 pub(super) fn fit(
     target: &[f64],
     base: &[f64],
@@ -65,7 +66,7 @@ pub(super) fn fit(
     let mut slopes = slopes;
     let (mut at, mut left, mut values) =
         (vec![0.0; limits.len()], less(target, base), base.to_vec());
-    let whole = dot(&left, &left);
+    let total = dot(&left, &left);
     let mut squares = Vec::new();
     for step in 0..STEPS {
         let views: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
@@ -77,7 +78,7 @@ pub(super) fn fit(
         {
             return None;
         }
-        // A model far away may not exist, or be worse; a secant of a curve may lead as far beyond.
+        // A distant model may not exist or fit worse; secants of a curved response overshoot.
         let tried = (0..if step == 0 { 7 } else { 3 }).find_map(|halvings| {
             let part = 0.5_f64.powi(halvings);
             let next = at.iter().zip(&steps).zip(limits);
@@ -89,24 +90,24 @@ pub(super) fn fit(
             (dot(&rest, &rest) <= (1.0 - LITTLE) * dot(&left, &left))
                 .then_some((next, values, rest))
         });
-        let Some((next, found, rest)) = tried else {
-            // A change that is no cause soon gains little, and so does every one at the bottom.
+        let Some((next, nearer, rest)) = tried else {
+            // Too small a gain means that the fit has converged or the change is no cause.
             if step > 0 { break } else { return None }
         };
         let mut moved = at.iter().zip(&next);
         let is_still = moved.all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
-        // Slopes by Broyden's method: those of a single change are secants.
+        // Broyden's update of the slopes; for a single change it is the secant.
         let steps = less(&next, &at);
         let scaled = steps.iter().zip(limits);
         let scaled: Vec<f64> = scaled.map(|(step, [small, _])| step / small).collect();
         let long = dot(&scaled, &scaled);
-        let mut untold = less(&found, &values);
-        let told = slopes.iter().zip(&steps);
-        told.for_each(|(slope, step)| add(&mut untold, -step, slope));
+        let mut untold = less(&nearer, &values);
+        let expected = slopes.iter().zip(&steps);
+        expected.for_each(|(slope, step)| add(&mut untold, -step, slope));
         let parts = slopes.iter_mut().zip(&scaled).zip(limits);
         parts.for_each(|((slope, part), [small, _])| add(slope, part / small / long, &untold));
-        (at, left, values) = (next, rest, found);
-        if is_still || dot(&left, &left) <= 1e-12 * whole {
+        (at, left, values) = (next, rest, nearer);
+        if is_still || dot(&left, &left) <= 1e-12 * total {
             break;
         }
     }
@@ -115,6 +116,6 @@ pub(super) fn fit(
     let sizes = sizes.map(|(size, square)| [*size, (rest / square).sqrt()]);
     Some(Fit {
         sizes: sizes.collect(),
-        explained: 1.0 - rest / whole,
+        explained: 1.0 - rest / total,
     })
 }

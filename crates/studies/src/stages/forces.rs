@@ -1,4 +1,4 @@
-//! Contact search, law, assembly and driver: a run's columns against the native ones at the run's own states.
+//! Judgement of contact search, law, assembly and driver: columns of a run against native ones at the run's states.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -15,13 +15,13 @@ use super::model::Model;
 use super::motion::Sample;
 use super::pictures::Picture;
 
-/// Forces below this share of the largest do not count as contacts.
+/// Least force that counts as a contact, as a share of the largest.
 const TOUCHING: f64 = 1e-3;
-/// Powers of the forces to which changes are fitted: the second is the penetration of a Hertzian contact.
+/// Exponents of the forces in fits; 2/3 gives the penetration of a Hertzian contact.
 pub(super) const POWERS: [f64; 2] = [1.0, 2.0 / 3.0];
-/// Share of the largest force that is a contact where the native discs have a gap.
+/// Force that counts as a contact in a gap of the native discs, as a share of the largest.
 const GAP: f64 = 0.05;
-/// Column of the driver's torque, of the output's, and first of the forces.
+/// Indices of the driver torque, the output torque and the first force.
 pub(super) const DRIVER: usize = 0;
 pub(super) const OUTPUT: usize = 1;
 pub(super) const FORCES: usize = 2;
@@ -33,7 +33,7 @@ pub(super) struct Columns {
     times: Vec<f64>,
     /// Largest native value of each column's kind.
     scale: Vec<f64>,
-    /// Rows as they are written.
+    /// Rows of the run.
     pub(super) written: Vec<Vec<f64>>,
     /// Rows of the native model.
     pub(super) native: Vec<Vec<f64>>,
@@ -42,7 +42,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Reads the columns of a run at the samples, and evaluates the native ones; `None` where a column is missing.
+    /// Reads the columns of a run at the samples and evaluates the native ones; `None` if a column is missing.
     pub(super) fn of(
         gearbox: &Gearbox,
         native: &mut Model<'_>,
@@ -59,7 +59,7 @@ impl Columns {
         Some(Self::held(gearbox, native, samples, written))
     }
 
-    /// Holds rows against native ones.
+    /// Compares rows with native ones.
     pub(super) fn held(
         gearbox: &Gearbox,
         model: &mut Model<'_>,
@@ -91,26 +91,26 @@ impl Columns {
         }
     }
 
-    /// The columns of the forces.
+    /// Returns the range of the force columns.
     pub(super) fn forces(&self) -> Range<usize> {
         FORCES..self.names.len()
     }
 
-    /// Difference of a column from the native one at a sample, as a share.
+    /// Returns the scaled difference of a column from the native one at a sample.
     fn off(&self, sample: usize, column: usize) -> f64 {
         (self.written[sample][column] - self.native[sample][column]) / self.scale[column]
     }
 
-    /// Samples with each of the columns.
+    /// Iterates over the pairs of sample and column.
     fn places(&self, of: Range<usize>) -> impl Iterator<Item = (usize, usize)> {
         let samples = 0..self.times.len();
         samples.flat_map(move |k| of.clone().map(move |column| (k, column)))
     }
 
-    /// The largest difference among these columns, and its place in words.
+    /// Returns the largest difference in these columns and its place in words.
     pub(super) fn worst(&self, of: Range<usize>) -> (f64, String) {
         let size = |&(k, column): &(usize, usize)| self.off(k, column).abs();
-        // What is not a number is farther off than any.
+        // NaN counts as the largest difference.
         let most = self.places(of).max_by(|a, b| size(a).total_cmp(&size(b)));
         most.map_or((0.0, String::new()), |at| {
             (
@@ -125,14 +125,14 @@ impl Columns {
         })
     }
 
-    /// True if only one of the two has a force there.
+    /// True if only the run or only the native model has a force there.
     fn has_one_contact(&self, sample: usize, column: usize) -> bool {
         let least = TOUCHING * self.scale[column];
         let [one, other] = [&self.written, &self.native].map(|rows| rows[sample][column]);
         (one == 0.0 && other > least) || (other == 0.0 && one > least)
     }
 
-    /// True if the run has more force where the native discs have a gap than a law or a late step would leave there.
+    /// True if the run has more force in a gap of the native discs than another law or a late step could leave.
     fn fills_gap(&self, sample: usize, column: usize) -> bool {
         let body = self.layout.external_bodies().start + column - FORCES;
         let mut pairs = self.contacts[sample].1.iter();
@@ -141,10 +141,10 @@ impl Columns {
         !touches && native == 0.0 && written > GAP * self.scale[column]
     }
 
-    /// Share of forces where only one of the two has a contact, and the first place in words. `both`: false where rates are
-    /// not known, so that a contact may part which the native one has.
+    /// Returns the share of forces that only the run or only the native model has, and the first place in words. `both` is
+    /// false if rates are unknown; a contact that the run lacks then does not count.
     pub(super) fn search(&self, both: bool) -> (f64, String) {
-        // A law that is off may let go of a contact; it is known where rates are.
+        // A wrong law may open a contact; its size is known only with rates.
         let touch =
             |&(k, c): &(usize, usize)| self.written[k][c] != 0.0 && self.native[k][c] != 0.0;
         let law = self.places(self.forces()).filter(|at| both && touch(at));
@@ -170,7 +170,7 @@ impl Columns {
         (share, words.unwrap_or_default())
     }
 
-    /// Relative L2 distance of the forces from the native ones.
+    /// Returns the relative L2 distance of the forces from the native ones.
     pub(super) fn distance(&self) -> f64 {
         let square = |row: &[f64]| dot(&row[FORCES..], &row[FORCES..]);
         let off = self.written.iter().zip(&self.native);
@@ -178,7 +178,7 @@ impl Columns {
         (off / self.native.iter().map(|row| square(row)).sum::<f64>()).sqrt()
     }
 
-    /// All rows as one vector in which driver, output and forces weigh the same; forces to a power.
+    /// Returns all rows as one vector in which driver, output and forces have equal weight. Forces are raised to `power`.
     pub(super) fn stacked(&self, rows: &[Vec<f64>], power: f64) -> Vec<f64> {
         let count = (self.forces().len() as f64).sqrt();
         let shares = |row: &Vec<f64>| -> Vec<f64> {
@@ -192,12 +192,12 @@ impl Columns {
         rows.iter().flat_map(shares).collect()
     }
 
-    /// Draws the largest residual of each sample.
+    /// Plots the largest residual of each sample.
     pub(super) fn over_time(&self, stage: Stage, rows: &[Vec<f64>]) -> Picture {
         Picture::over_time(stage, &self.times, &[("residual", rows)])
     }
 
-    /// Pictures of contact search, law, assembly and driver.
+    /// Plots contact search, law, assembly and driver.
     pub(super) fn pictures(&self) -> Vec<Picture> {
         let rows = |off: &dyn Fn(usize, usize) -> f64, of: Range<usize>| -> Vec<Vec<f64>> {
             let row = |k| of.clone().map(|column| off(k, column)).collect();
@@ -208,7 +208,7 @@ impl Columns {
             true => self.off(k, column),
             false => 0.0,
         };
-        // Ring pins and places on a lobe where they touch, by sample.
+        // Ring pins and positions of contact on a lobe, by sample.
         let mut lobes = Vec::new();
         for (k, (bodies, pairs)) in self.contacts.iter().enumerate() {
             for pair in pairs {
@@ -239,13 +239,13 @@ impl Columns {
     }
 }
 
-/// Columns of a gear that are judged, in the order of a model's.
+/// Returns the names of the judged columns of a gear, in the model's order.
 pub(super) fn names(layout: Layout) -> Vec<String> {
     let names = columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves);
     names.filter(|name| name != columns::OUTPUT_ANGLE).collect()
 }
 
-/// Rows of a model at the samples.
+/// Evaluates a model at the samples.
 pub(super) fn rows(model: &mut Model<'_>, samples: &[Sample]) -> Vec<Vec<f64>> {
     let row = |sample: &Sample| model.columns(sample.time_s, &sample.y);
     samples.iter().map(row).collect()

@@ -1,22 +1,23 @@
-//! Stages and their judgement.
+//! Stages of a solver and their judgement.
 
 use serde::Serialize;
 
-/// Largest rounding of a law that somebody else wrote, as a share: its search for the closest point and its sums.
+/// Largest relative rounding error of an independent implementation of the law: search for the closest point, and summation.
 pub(super) const ROUNDING: f64 = 1e-6;
-/// Error of the flow, as a share of what the load would do.
+/// Error of the native flow, as a share of the effect of the load.
 pub(super) const FLOW: f64 = 1e-6;
-/// Error of the integration that no order is asked of, as a share of what the load would do: no verdict depends on less.
+/// Integration error below which no order is required, as a share of the effect of the load.
 pub(super) const SMALL: f64 = 1e-4;
-/// Share of a residual that a cause must explain.
+/// Least share of a residual that a cause must explain.
 pub(super) const EXPLAINED: f64 = 0.9;
-/// Share that it must explain where forces are known to rounding: a factor is the same at all penetrations.
+/// Least explained share if forces are exact to rounding: a wrong factor is then equal at all penetrations.
 pub(super) const EXACT: f64 = 0.9999;
-/// Share that it must explain where the step's own error is not known.
+/// Least explained share if the error of the step is unknown.
 pub(super) const SURE: f64 = 0.99;
-/// Samples that are looked at, but for those at changes of the load.
+/// Number of judged samples, besides those at changes of the load.
 pub(super) const SAMPLES: usize = 40;
-/// Order below that stated which is still right: contacts that open and close take some of it, and pins that stick and slip more.
+/// Accepted shortfall from the stated order, without and with friction. Contacts that open and close reduce the order, and
+/// stick-slip of pins reduces it further.
 pub(super) const ORDER_MARGIN: [f64; 2] = [0.7, 1.2];
 
 /// Stage of a solver, in the order of judgement.
@@ -25,7 +26,7 @@ pub(super) const ORDER_MARGIN: [f64; 2] = [0.7, 1.2];
 pub enum Stage {
     /// States at the start, and geometry.
     Start,
-    /// Which pairs touch.
+    /// Pairs that touch.
     ContactSearch,
     /// Forces of the contacts.
     Law,
@@ -51,7 +52,7 @@ impl Stage {
         Self::Integration,
     ];
 
-    /// Name in words.
+    /// Returns the name in words.
     #[must_use]
     pub fn name(self) -> &'static str {
         const NAMES: [&str; Stage::ALL.len()] = [
@@ -70,18 +71,18 @@ impl Stage {
 /// Judgement of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Judged {
-    /// The stage.
+    /// Stage that is judged.
     pub stage: Stage,
-    /// Residual, as a share of the native quantity; `None`: unknown.
+    /// Residual, as a share of the native quantity; `None` if unknown.
     pub residual: Option<f64>,
-    /// Residual from which the stage is off.
+    /// Bound of the residual, above which the stage is off.
     pub bound: f64,
-    /// Place of the largest residual, or the columns that it needs.
+    /// Place of the largest residual, or the columns needed for a judgement.
     pub note: String,
 }
 
 impl Judged {
-    /// Creates a stage with its residual, which is off above `bound`, and the place.
+    /// Creates the judgement of a stage with its residual, which is off above `bound`, and the place.
     pub(super) fn measured(stage: Stage, residual: f64, bound: f64, note: String) -> Self {
         let residual = Some(residual);
         Self {
@@ -92,7 +93,7 @@ impl Judged {
         }
     }
 
-    /// Creates a stage that cannot be judged, with the reason.
+    /// Creates the judgement of a stage that cannot be judged, with the reason.
     pub(super) fn unknown(stage: Stage, note: &str) -> Self {
         let note = note.to_owned();
         Self {
@@ -111,7 +112,7 @@ impl Judged {
     }
 }
 
-/// Returns a share in words.
+/// Formats a share in per cent.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {

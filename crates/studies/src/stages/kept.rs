@@ -1,4 +1,4 @@
-//! Runs of which columns or figures were kept, but no states: a cause from what they left.
+//! Search for a cause in runs of which only columns or figures were stored, without states.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, Start};
@@ -11,22 +11,22 @@ use super::model::{Model, Work};
 use super::suspects::Suspect;
 use super::{forces, motion, states};
 
-/// Figures kept of a run from the scene's start.
+/// Stored figures of a run from the scene's start.
 pub(crate) struct Kept<'a> {
-    /// Name of who ran.
+    /// Name of the engine.
     pub name: &'a str,
-    /// Times of its samples, s.
+    /// Times of the samples, s.
     pub times_s: &'a [f64],
-    /// Figures that were kept, each as a share of its quantity's size.
+    /// Stored figures, each as a share of its quantity's size.
     pub written: &'a [f64],
-    /// Root mean square of their changes that is none.
+    /// Root mean square change of the figures that counts as none.
     pub bound: f64,
-    /// Evaluations of forces that judging them may take.
+    /// Largest number of force evaluations for the judgement.
     pub evaluations: u64,
 }
 
-/// Looks for the cause that explains what was kept of a run. `figures` are those of columns at the run's samples. `None`: they are
-/// those of the native model, or it has no reduced form.
+/// Searches for the cause that explains the stored figures of a run. `figures` evaluates them from columns at the run's
+/// samples. Returns `None` if they equal those of the native model, or the model has no reduced form.
 pub(crate) fn of_kept(
     gearbox: &Gearbox,
     kept: &Kept<'_>,
@@ -50,8 +50,8 @@ pub(crate) fn of_kept(
     if off <= kept.bound {
         return None;
     }
-    let found = cause(work, [kept.written, &base], SURE, Suspect::moves, values);
-    let cause = found.map(|(cause, _)| cause);
+    let cause = cause(work, [kept.written, &base], SURE, Suspect::moves, values);
+    let cause = cause.map(|(cause, _)| cause);
     let columns = states::Columns::of(gearbox, native.free()).patterns();
     let note = format!("states were not stored; needs {}", columns.join(", "));
     let stage = |stage| match &cause {
@@ -69,7 +69,7 @@ pub(crate) fn of_kept(
     })
 }
 
-/// Columns of a model at times, from a state at the first.
+/// Returns the columns of a model at `times`, from a state at the first one.
 fn followed(
     gearbox: &Gearbox,
     model: &mut Model<'_>,
@@ -93,16 +93,16 @@ fn followed(
     Some(run)
 }
 
-/// Change of a record's columns that is none, as a share of their largest: records are rounded and interpolated.
+/// Relative change of a record's columns that counts as none, because records are rounded and interpolated.
 const RECORD: f64 = 1e-3;
-/// Evaluations that judging a record may take, some tenths of a second, and its first samples, which are judged.
+/// Largest number of evaluations for a record, some tenths of a second, and number of its first samples that are judged.
 pub(super) const RECORDED: u64 = 150_000;
 const SHOWN: usize = 60;
-/// Runs of the model that the search for a cause takes, and the least number of samples that tell causes apart.
+/// Number of model runs in the search for a cause, and the least number of samples that distinguishes causes.
 const FOLLOWS: u64 = 100;
 const FEWEST: usize = 12;
 
-/// Judges a record that has all columns of a gear, by its states where it has them; only a known cause names a stage.
+/// Judges a record with all columns of a gear, by its states if it has them. A stage is named only for a known cause.
 pub(super) fn of_record(
     gearbox: &Gearbox,
     name: &str,
@@ -123,13 +123,13 @@ pub(super) fn of_record(
             finer: None,
             evaluations: [evaluations; 2],
         };
-        let found = locate(gearbox, runs)?;
-        let mut cause = found.cause.iter();
-        return cause.any(|cause| cause.explained >= SURE).then_some(found);
+        let place = locate(gearbox, runs)?;
+        let mut cause = place.cause.iter();
+        return cause.any(|cause| cause.explained >= SURE).then_some(place);
     }
     let times = run.time_s().get(..run.len().min(SHOWN))?;
     (*times.first()? == 0.0).then_some(())?;
-    // As many samples as there are evaluations for.
+    // The evaluations limit the number of samples.
     let work = Work::new(gearbox, evaluations);
     let mut native = Model::new(&work, Vec::new())?;
     let begun = native.start();
@@ -137,7 +137,7 @@ pub(super) fn of_record(
     let most = work.left() / FOLLOWS * times.len() as u64 / work.taken().max(1);
     let times = &times[..times.len().min(FEWEST.max(most as usize))];
     let evaluations = work.left();
-    // Torques and forces weigh the same.
+    // Torques and forces have equal weight.
     let size = |column: &&[f64]| column.iter().fold(0.0, |most: f64, x| x.abs().max(most));
     let sizes: Vec<f64> = of.iter().map(size).collect();
     let force = sizes[forces::FORCES..].iter().copied().fold(0.0, f64::max);
@@ -158,5 +158,5 @@ pub(super) fn of_record(
         bound,
         evaluations,
     };
-    of_kept(gearbox, &kept, &figures).filter(|found| found.cause.is_some())
+    of_kept(gearbox, &kept, &figures).filter(|place| place.cause.is_some())
 }

@@ -1,4 +1,4 @@
-//! All stages of a run, one after the other.
+//! Judgement of all stages of a run.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -16,38 +16,38 @@ use super::pictures::Picture;
 use super::suspects::Suspect;
 use super::{forces, states};
 
-/// Answer to the question which stage of a run differs.
+/// First stage of a run that differs from the native model, with the likely cause.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Located {
-    /// Who ran.
+    /// Name of the engine.
     pub run: String,
-    /// All stages.
+    /// Judgements of all stages.
     pub stages: Vec<Judged>,
-    /// The likely cause.
+    /// Likely cause.
     pub cause: Option<Cause>,
-    /// Residuals of the stages that are off.
+    /// Plots of the residuals of stages that are off.
     pub pictures: Vec<Picture>,
-    /// Evaluations of forces that judging took, and those that it might take: as many as the run itself.
+    /// Force evaluations used by the judgement, and their limit: the number of the run itself.
     pub evaluations: [u64; 2],
-    /// Why there is no cause where one was sought, or what would have cost more than the run and was left out, in words.
+    /// Reason for a missing cause, or the part left out because it would have cost more than the run, in words.
     pub left_out: Option<String>,
 }
 
 impl Located {
-    /// The first stage that is off: that of the cause, if there is one.
+    /// Returns the first stage that is off: that of the cause, if there is one.
     pub fn first(&self) -> Option<Stage> {
         let off = self.stages.iter().find(|judged| judged.is_off());
         let off = off.map(|judged| judged.stage);
         off.and_then(|stage| self.cause.as_ref().map_or(Some(stage), Cause::stage))
     }
 
-    /// Returns a line for the first screen, which begins with `stage` where a stage is off.
+    /// Returns a line for the first screen, which begins with `stage` if a stage is off.
     pub fn sentence(&self) -> String {
         let stage = self.first().map_or("", |_| "stage ");
         format!("{stage}{}", self.words())
     }
 
-    /// The first stage that is off and the likely cause with its figure; or that no stage is.
+    /// Returns the first stage that is off and the likely cause with its size, or that no stage is off.
     pub fn words(&self) -> String {
         let mut stages = self.stages.iter();
         let blind = stages.find(|judged| judged.residual.is_none());
@@ -64,7 +64,7 @@ impl Located {
         }
     }
 
-    /// The first stage that is off with its residual and place; empty where none is.
+    /// Returns the first stage that is off with its residual and place; empty if none is.
     pub fn off(&self) -> String {
         let mut stages = self.stages.iter();
         let judged = stages.find(|judged| judged.is_off());
@@ -76,8 +76,8 @@ impl Located {
         })
     }
 
-    /// Leaves the pictures of stages that are off, where they show something.
-    pub(super) fn seen(mut self) -> Self {
+    /// Keeps only plots of stages that are off, with values above 0.
+    pub(super) fn with_pictures(mut self) -> Self {
         let off = self.stages.iter().filter(|judged| judged.is_off());
         let off: Vec<Stage> = off.map(|judged| judged.stage).collect();
         self.pictures.retain(|picture| {
@@ -87,17 +87,17 @@ impl Located {
         self
     }
 
-    /// Withdraws the judgement of the motion, which a still smaller step has to confirm.
+    /// Withdraws the judgement of the motion, which a still smaller step must confirm.
     pub(super) fn unconfirmed(mut self) -> Self {
         let note = "a still smaller step would tell, at more than the cost of the run";
         let motion = self.stages.iter_mut().filter(|judged| {
             judged.is_off() && [Stage::Equations, Stage::Integration].contains(&judged.stage)
         });
         motion.for_each(|judged| *judged = Judged::unknown(judged.stage, note));
-        self.seen()
+        self.with_pictures()
     }
 
-    /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
+    /// Returns [`words`](Self::words) with the native runs that confirm the cause.
     pub fn in_full(&self) -> String {
         let distance = self.cause.as_ref().and_then(|cause| cause.distance);
         let confirmed = distance.map_or_else(String::new, |distance| {
@@ -108,35 +108,35 @@ impl Located {
     }
 }
 
-/// Distance of a run from a native one, relative, of which nothing has to be explained.
+/// Relative distance from a native run below which nothing needs an explanation.
 const NEAR: f64 = 1e-5;
-/// Intervals that are fitted by changes of the model: the least number, and the most without friction and with it.
+/// Number of intervals to which changes are fitted: least, most without friction, most with friction.
 const FITTED: [usize; 3] = [3, 7, 10];
-/// Flows of each that the search takes.
+/// Number of flows per interval that the search may use.
 const FLOWS: u64 = 64;
-/// Least number of intervals that are judged; more take an eighth of the evaluations that are left at most.
+/// Least number of judged intervals; more may use at most an eighth of the remaining evaluations.
 const INTERVALS: usize = 8;
-/// Distance of a run from a native one with its cause, relative.
+/// Largest relative distance of a run from a native one with its cause.
 const WITH: f64 = 0.05;
-/// Samples of the native run that confirms a cause, the least number and the most, and evaluations that each takes in two runs.
+/// Least and largest number of samples of the native run that confirms a cause, and evaluations per sample in two runs.
 const CONFIRMED: [usize; 2] = [20, 60];
 const CONFIRMS: u64 = 300;
 
 /// Run to be judged.
 #[derive(Clone, Copy)]
 pub struct Runs<'a> {
-    /// Name of who ran.
+    /// Name of the engine.
     pub name: &'a str,
-    /// The run with columns of its states.
+    /// Run with columns of its states.
     pub run: &'a TimeSeries,
-    /// Run on the same samples with a smaller step or tolerance, and how far its error should fall.
+    /// Run at the same samples with a smaller step or tolerance, and the expected factor between the errors.
     pub finer: Option<(&'a TimeSeries, f64)>,
-    /// Evaluations of forces that judging it may take, without and with the search for a cause.
+    /// Largest numbers of force evaluations, without and with the search for a cause.
     pub evaluations: [u64; 2],
 }
 
-/// Judges every stage of a run, and looks for the cause where one is off. `None`: the scene has no reduced form, or the run lacks
-/// columns that every run has.
+/// Judges every stage of a run and searches for the cause if one is off. Returns `None` if the scene has no reduced form or the
+/// run lacks a standard column.
 pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     let work = &Work::new(gearbox, runs.evaluations[0]);
     let mut native = Model::new(work, Vec::new())?;
@@ -161,7 +161,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let blind = |stage| Judged::unknown(stage, &note);
         located.stages = Stage::ALL.map(blind).into();
         located.stages[0] = start;
-        // Places alone say which pairs touch.
+        // Positions alone determine which pairs touch.
         let known = native.start();
         let half = known.len() / 2;
         for sample in &mut samples {
@@ -174,7 +174,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             located.stages[1] = Judged::measured(Stage::ContactSearch, differ, 0.0, first);
             located.pictures.extend(columns.pictures());
         }
-        return Some(located.seen());
+        return Some(located.with_pictures());
     }
     let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
     located.pictures.extend(columns.pictures());
@@ -186,17 +186,17 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     located.stages.extend(by_columns(&columns, rough.as_ref()));
     let sought = Cell::new(false);
     let search = || {
-        // It leaves enough to confirm its cause.
+        // The search leaves evaluations to confirm its cause.
         work.allow(runs.evaluations[1].saturating_sub(CONFIRMS * CONFIRMED[0] as u64));
         sought.set(true);
     };
     let of_columns = |located: &Located| {
         search();
-        // Forces are known to rounding, or to what falls with the step.
+        // Forces are exact to rounding, or their error falls with the step.
         let off = located.stages.iter().filter(|judged| judged.is_off());
         let noise = off.filter_map(|judged| Some((judged.bound / judged.residual?).powi(2)));
         let least = (1.0 - noise.fold(0.0, f64::max)).clamp(EXPLAINED, EXACT);
-        // Large errors of the geometry are linear in penetrations alone.
+        // Large errors of the geometry are linear only in penetrations.
         forces::POWERS.into_iter().find_map(|power| {
             let stacked = |rows: &[Vec<f64>]| columns.stacked(rows, power);
             let [written, base] = [&columns.written, &columns.native].map(|rows| stacked(rows));
@@ -212,7 +212,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     };
     let motion = [Stage::Equations, Stage::Integration];
     let untold = |note: &str| motion.map(|stage| Judged::unknown(stage, note));
-    let mut found = None;
+    let mut suspect = None;
     let hides = [Stage::ContactSearch, Stage::Law, Stage::Assembly];
     let is_loaded = load_profile::largest(&gearbox.scene.drive) > 0.0;
     if off(&located, &hides) || !is_loaded {
@@ -221,7 +221,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             false => "needs a load, by whose work the motion is measured",
         }));
         if off(&located, &Stage::ALL) {
-            found = of_columns(&located);
+            suspect = of_columns(&located);
         }
     } else if let Some((fine, samples, each)) = judged_motion(work, &mut native, &states, best) {
         let finer = runs.finer.map(|(_, falls)| falls);
@@ -232,7 +232,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         located.pictures.extend(pictures);
         located.stages.extend(fine.judged(rough.zip(finer)));
         let is_open = rough.is_none() || off(&located, &[Stage::Equations]);
-        // Pins that keep their rates have a pattern of their own.
+        // Pins that keep their rates are recognised without a search.
         if fine.size() > FLOW && is_open && !fine.keeps_pins() {
             search();
             let most = (work.left() / (FLOWS * each)) as usize;
@@ -241,16 +241,16 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             let [reached, base] = few.ends();
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
             let both = [&reached[..], &base[..]];
-            found = cause(work, both, sure, Suspect::moves_alone, &|model| {
+            suspect = cause(work, both, sure, Suspect::moves_alone, &|model| {
                 few.flows(model)
             });
         }
-        let is_open = found.is_none() && work.left() > 0 && !fine.keeps_pins();
+        let is_open = suspect.is_none() && work.left() > 0 && !fine.keeps_pins();
         let alone = is_open && fine.is_alone();
         for judged in &mut located.stages {
             match judged.stage {
-                Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),
-                // Equations are wrong at all times.
+                Stage::Equations if suspect.is_some() => judged.residual = Some(fine.size()),
+                // Errors of the equations appear in all intervals.
                 Stage::Equations if alone && judged.is_off() => judged.stage = Stage::Integration,
                 Stage::Integration if alone && judged.residual.is_none() => {
                     judged.stage = Stage::Equations;
@@ -258,8 +258,8 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 _ => {}
             }
         }
-        if found.is_none() && off(&located, &[Stage::Driver]) {
-            found = of_columns(&located);
+        if suspect.is_none() && off(&located, &[Stage::Driver]) {
+            suspect = of_columns(&located);
         }
     } else {
         let note = "the native motion from its states ends early";
@@ -268,19 +268,19 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     located.stages.sort_by_key(|judged| judged.stage);
     let is_ended = work.left() == 0;
     work.allow(runs.evaluations[1]);
-    let shown = found.map(|found| {
-        let changes = changes(&found);
-        // What is written otherwise moves nothing.
+    let shown = suspect.map(|suspect| {
+        let changes = changes(&suspect);
+        // Changes of the written columns do not affect the motion.
         let moves = changes.iter().any(|(change, _)| change.moves());
         let distance = moves
             .then(|| distance(work, changes, &states, best))
             .flatten();
         Cause {
             distance,
-            ..found.0
+            ..suspect.0
         }
     });
-    // A native run has to come nearer with it, unless it was there.
+    // A native run with the cause must be nearer to the run, unless the distance is negligible already.
     located.cause = shown.filter(|cause| {
         let mut distance = cause.distance.iter();
         distance.all(|[without, with]| *without < NEAR || *with <= WITH.min(0.5 * without))
@@ -293,11 +293,11 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         located.left_out = Some(why.to_owned());
     }
     located.evaluations = [work.taken(), runs.evaluations[0]];
-    Some(located.seen())
+    Some(located.with_pictures())
 }
 
-/// The motion of a run over as many intervals as there are evaluations for, the samples at which they begin, and the evaluations that
-/// each takes. `None`: the native flow does not come through.
+/// Returns the motion of a run over as many intervals as the evaluations allow, the samples at which they begin, and the
+/// evaluations per interval; `None` if the native flow fails.
 fn judged_motion(
     work: &Work<'_>,
     native: &mut Model<'_>,
@@ -310,18 +310,18 @@ fn judged_motion(
         Some((motion, samples))
     };
     let before = work.taken();
-    let mut found = of(INTERVALS)?;
+    let mut judged = of(INTERVALS)?;
     let each = ((work.taken() - before) / INTERVALS as u64).max(1);
-    // Those of a run with a larger step cost as much.
+    // A run with a larger step costs as much.
     let most = (work.left() / (16 * each)) as usize;
     if most > INTERVALS {
-        found = of(most.min(SAMPLES))?;
+        judged = of(most.min(SAMPLES))?;
     }
-    Some((found.0, found.1, each))
+    Some((judged.0, judged.1, each))
 }
 
-/// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
-/// part of the step fall with it.
+/// Judges contact search, law, assembly and driver by columns. `rough` has the columns of a run with a larger step: a lag of
+/// the forces falls with the step.
 pub(super) fn by_columns(
     columns: &forces::Columns,
     rough: Option<&forces::Columns>,
@@ -340,8 +340,8 @@ pub(super) fn by_columns(
     ]
 }
 
-/// Judges a first state by its largest difference from the scene's start, as a share of the state or of 1, and draws it over the
-/// named coordinates. NaN is not known.
+/// Judges an initial state by its largest difference from the scene's start, relative to the state or to 1, and plots it over
+/// the named coordinates. NaN counts as unknown.
 pub(super) fn start(
     first: &[f64],
     native: &Model<'_>,
@@ -351,8 +351,8 @@ pub(super) fn start(
     let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs().max(1.0);
     let off: Vec<f64> = first.iter().zip(&known).map(off).collect();
     let count = coordinates.len();
-    let told = (0..off.len()).filter(|k| off[*k].is_finite());
-    let most = told.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
+    let list = (0..off.len()).filter(|k| off[*k].is_finite());
+    let most = list.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
     let of = &coordinates[most % count];
     let kind = if most < count { "" } else { "rate of " };
     let note = match off[most] {
@@ -369,7 +369,7 @@ pub(super) fn start(
     )
 }
 
-/// Relative L2 distance of a run's forces from the native flow that starts where it starts, without changes and with them.
+/// Returns the relative L2 distance of a run's forces from the native flow from the same state, without changes and with them.
 fn distance(
     work: &Work<'_>,
     changes: Changes<'_>,

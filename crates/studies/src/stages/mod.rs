@@ -1,12 +1,14 @@
-//! Which stage of a solver differs: each judged at the solver's own states, so that no stage inherits an earlier error.
+//! First stage of a solver that differs from the native one.
+//!
+//! Each stage is judged at the solver's own states, so that it inherits no error of an earlier stage.
 //!
 //! ```text
 //! law, assembly, driver   F_A(t_n) - F(s_A(t_n))                columns against the native ones at the run's own state
 //! equations, integration  d_n = s_A(t_n+1) - Phi(s_A(t_n))      Phi: converged native flow over one interval
 //! ```
-//! The part of d_n that falls with the run's step is integration, as a second run at a smaller step shows; the rest is equations.
-//! A cause is a suspected change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
-//! Gauss-Newton, and a native run with it. All that explain as much are named.
+//! The part of d_n that falls with the step of a second run is the integration error; the rest is an error of the equations.
+//! A cause is a suspected change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp by
+//! Gauss-Newton, confirmed by a native run with p. All equally good causes are named.
 //!
 //! Sources: defect of one step, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, II.3; defect
 //! correction, Stetter, Numer. Math. 29 (1978) 425.

@@ -1,4 +1,4 @@
-//! The native equations with one change: columns at a given state, and the flow from it.
+//! Native equations with changes of the model: columns at a given state, and the flow from it.
 
 use std::cell::Cell;
 
@@ -14,16 +14,16 @@ use pinwheel_mbs::{
 use pinwheel_scene::load_profile::{self, LoadSegment};
 use pinwheel_scene::{Drive, Layout, Scene, Start};
 
-/// Gear, with the numbers of evaluations of its equations that the judgement of a run has taken and may take.
+/// Gear, with the number of evaluations that judging a run has used and may use.
 pub(super) struct Work<'a> {
     pub(super) gearbox: &'a Gearbox,
-    /// Number of evaluations so far, and the most.
+    /// Number of evaluations so far, and their limit.
     taken: Cell<u64>,
     most: Cell<u64>,
 }
 
 impl<'a> Work<'a> {
-    /// Creates the work on a gear that may take so many evaluations.
+    /// Creates the work on a gear with at most `most` evaluations.
     pub(super) fn new(gearbox: &'a Gearbox, most: u64) -> Self {
         let [taken, most] = [0, most].map(Cell::new);
         Self {
@@ -33,17 +33,17 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Number of evaluations so far.
+    /// Returns the number of evaluations so far.
     pub(super) fn taken(&self) -> u64 {
         self.taken.get()
     }
 
-    /// Number of evaluations that are left.
+    /// Returns the number of remaining evaluations.
     pub(super) fn left(&self) -> u64 {
         self.most.get().saturating_sub(self.taken())
     }
 
-    /// Lets the search for a cause take so many evaluations.
+    /// Sets the limit of evaluations for the search for a cause.
     pub(super) fn allow(&self, most: u64) {
         self.most.set(most);
     }
@@ -63,25 +63,25 @@ pub(super) enum Change {
     Pair(Box<dyn Fn(&mut PairContact, &PinLaw, f64)>),
     /// Moments of contact forces on the discs.
     Lever,
-    /// Moments of the output pins by their places at the start, with the states of all bodies there.
+    /// Moments of the output pins computed with initial positions; holds the initial states of all bodies.
     Frozen(Vec<BodyState>),
-    /// The load on the output.
+    /// Load on the output.
     Load,
-    /// Share of a disc in the driver's torque.
+    /// Share of a disc in the driver torque.
     DriverShare(usize),
     /// Motion within a step.
     Step,
-    /// Columns as they are written: from one place to before another.
+    /// Shift of the written columns, from one index to before another.
     Column(usize, usize),
 }
 
 impl Change {
-    /// True if it acts on the motion.
+    /// True if the change affects the motion.
     pub(super) fn moves(&self) -> bool {
         !matches!(self, Self::Column(..) | Self::DriverShare(_))
     }
 
-    /// True if it acts pair by pair.
+    /// True if the change applies to single pairs.
     fn is_of_pairs(&self) -> bool {
         matches!(self, Self::Pair(_) | Self::Lever | Self::DriverShare(_))
     }
@@ -90,7 +90,7 @@ impl Change {
         matches!(self, Self::Step)
     }
 
-    /// True if applied forces at a state are other than without it.
+    /// True if the change alters applied forces at a given state.
     fn is_force(&self) -> bool {
         !matches!(
             self,
@@ -99,13 +99,13 @@ impl Change {
     }
 }
 
-/// Changes with their sizes; none: the native model.
+/// Changes with their sizes; empty for the native model.
 pub(super) type Changes<'a> = Vec<(&'a Change, f64)>;
 
 /// Applied forces with changes.
 struct Altered<'a> {
     inner: GearForces,
-    /// Field for changes of pairs, and for the native pairs.
+    /// Contact field for changes of pairs and for the native pairs.
     field: Option<ContactField>,
     layout: Layout,
     load: LoadSegment,
@@ -114,7 +114,7 @@ struct Altered<'a> {
 }
 
 impl Altered<'_> {
-    /// True if its forces are those of a gear.
+    /// True if the forces are those of the gear without changes.
     fn is_plain(&self) -> bool {
         !self.changes.iter().any(|(change, _)| change.is_force())
     }
@@ -199,21 +199,21 @@ pub(super) struct Model<'a> {
     system: Reduced<Altered<'a>>,
     work: &'a Work<'a>,
     changes: Changes<'a>,
-    /// True where the Jacobian is made of differences: of changed forces it is, and the errors of runs made alike cancel.
+    /// True if the Jacobian is computed by differences. Changed forces need this; errors of runs computed alike then cancel.
     pub(super) by_differences: bool,
 }
 
-/// Error of a step of the flow, as a share of the twist under load: without friction and with it.
+/// Tolerance of a step of the flow, as a share of the twist under load, without and with friction.
 const TOLERANCES: [f64; 2] = [1e-9, 1e-8];
-/// Error where a run is followed over many samples, of which no stage is judged to so many digits.
+/// Tolerance for a run followed over many samples, where judgements need fewer digits.
 const RUN: [f64; 2] = [1e-8, 1e-6];
-/// Evaluations that a Jacobian counts as.
+/// Number of evaluations that a Jacobian counts as.
 const JACOBIAN: u64 = 4;
-/// Steps of the flow over one interval; more are no flow.
+/// Largest number of steps of the flow over one interval.
 const STEPS: usize = 100;
 
 impl<'a> Model<'a> {
-    /// Returns the equations of a gear with changes; `None` if there is no such gear.
+    /// Creates the equations of a gear with changes; `None` if the changed gear is invalid.
     pub(super) fn new(work: &'a Work<'a>, changes: Changes<'a>) -> Option<Self> {
         let gearbox = work.gearbox;
         let is_key = |change: &Change| matches!(change, Change::Scene(_));
@@ -238,7 +238,7 @@ impl<'a> Model<'a> {
                 set(&mut mechanism, by);
             }
         }
-        // A field costs as much as some tens of evaluations.
+        // A contact field costs as much as some tens of evaluations.
         let is_seen = changes.is_empty() || changes.iter().any(|(change, _)| change.is_of_pairs());
         let forces = Altered {
             inner: GearForces::new(used).ok()?,
@@ -257,34 +257,34 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// 1 and the sizes of the changes of a kind.
+    /// Returns 1 plus the sizes of all changes of a kind.
     fn factor(&self, of: fn(&Change) -> bool) -> f64 {
         let changes = self.changes.iter().filter(|(change, _)| of(change));
         1.0 + changes.map(|(_, by)| by).sum::<f64>()
     }
 
-    /// Bodies with angles of their own, in the order of y.
+    /// Returns the bodies with angles of their own, in the order of y.
     pub(super) fn free(&self) -> &[usize] {
         self.system.free_bodies()
     }
 
-    /// State at the scene's start.
+    /// Returns the state at the scene's start.
     pub(super) fn start(&self) -> Vec<f64> {
         self.system.initial()
     }
 
-    /// Columns after the time at a state: driver's torque, output's torque, forces of the pins.
+    /// Evaluates the columns after the time at a state: driver torque, output torque, pin forces.
     pub(super) fn columns(&mut self, t: f64, y: &[f64]) -> Vec<f64> {
         let first = self.work.gearbox.layout.external_bodies().start;
         self.system.restart_at(t);
         let load = self.system.forces_mut().load.torque(t);
         let load = load * self.factor(|change| matches!(change, Change::Load));
         self.work.take(1);
-        let seen = self.system.observe(t, y, Detail::Forces);
-        let output = seen.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
-        let forces = seen.loads[first..].iter();
+        let observed = self.system.observe(t, y, Detail::Forces);
+        let output = observed.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
+        let forces = observed.loads[first..].iter();
         let forces = forces.map(|load| load.fx.hypot(load.fy));
-        let mut row: Vec<f64> = [seen.driver_torques[0], output]
+        let mut row: Vec<f64> = [observed.driver_torques[0], output]
             .into_iter()
             .chain(forces)
             .collect();
@@ -297,11 +297,11 @@ impl<'a> Model<'a> {
         row
     }
 
-    /// Bodies at a state, and the pairs that touch there.
+    /// Evaluates the bodies at a state and the touching pairs.
     pub(super) fn pairs(&mut self, t: f64, y: &[f64]) -> (Vec<BodyState>, Vec<PairContact>) {
         self.work.take(2);
-        let seen = self.system.observe(t, y, Detail::Everything);
-        let bodies = seen.bodies.to_vec();
+        let observed = self.system.observe(t, y, Detail::Everything);
+        let bodies = observed.bodies.to_vec();
         let mut pairs = Vec::new();
         if let Some(field) = &mut self.system.forces_mut().field {
             field.touching(&bodies, &mut |pair| pairs.push(*pair));
@@ -309,12 +309,12 @@ impl<'a> Model<'a> {
         (bodies, pairs)
     }
 
-    /// State at `to` from the state `y` at `from`, s, by a converged method; `None` where it does not come through.
+    /// Integrates the state `y` from `from` to `to`, s, by a converged method; `None` if it fails.
     pub(super) fn flow(&mut self, from: f64, y: &[f64], to: f64) -> Option<Vec<f64>> {
         self.follow(from, y, &[to])?.pop()
     }
 
-    /// States at `times` from the state `y` at `from`, s, as [`flow`](Self::flow).
+    /// Returns the states at `times` from the state `y` at `from`, s, like [`flow`](Self::flow).
     pub(super) fn follow(&mut self, from: f64, y: &[f64], times: &[f64]) -> Option<Vec<Vec<f64>>> {
         let (first, last) = (*times.first()?, *times.last()?);
         let rough = self.work.gearbox.has_friction();

@@ -1,4 +1,4 @@
-//! Equations and integration: the defect of one interval between samples.
+//! Judgement of equations and integration by the defects of single intervals between samples.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, load_profile};
@@ -10,15 +10,15 @@ use super::model::Model;
 use super::pictures::Picture;
 use super::states::Columns;
 
-/// Share of the square of all defects from which one stands alone.
+/// Share of the sum of squared defects above which one interval stands alone.
 const ALONE: f64 = 0.8;
-/// Share of its defect that a run with a larger step has at most where each step leaves a part of its own; an error of the equations is
-/// the same for both, to a thousandth.
+/// Largest ratio of the defect to that of a run with a larger step, if the step is the cause. An error of the equations is
+/// equal for both to a thousandth.
 const GROWS: f64 = 0.8;
 
 /// State of a run at a sample.
 pub(super) struct Sample {
-    /// Number of the row.
+    /// Index of the row.
     pub(super) number: usize,
     /// Time of the row, s.
     pub(super) time_s: f64,
@@ -26,7 +26,7 @@ pub(super) struct Sample {
     pub(super) y: Vec<f64>,
 }
 
-/// Samples spread over a run, the last one left out, and those before which and after which the load changes.
+/// Returns samples spread over a run without the last one, and those just before and after changes of the load.
 pub(super) fn samples(
     gearbox: &Gearbox,
     columns: &Columns,
@@ -51,14 +51,14 @@ pub(super) fn samples(
     numbers.into_iter().map(sample).collect()
 }
 
-/// States at times as samples of these numbers.
+/// Returns states at `times` as samples with these numbers.
 pub(super) fn numbered(times: &[f64], states: Vec<Vec<f64>>) -> Vec<Sample> {
     let all = times.iter().zip(states).enumerate();
     all.map(|(number, (&time_s, y))| Sample { number, time_s, y })
         .collect()
 }
 
-/// Interval between samples, over which changes weigh by the effect of the load in it.
+/// Interval between samples. Changes are weighted by the effect of the load in it.
 #[derive(Clone)]
 struct Interval {
     from_s: f64,
@@ -66,9 +66,9 @@ struct Interval {
     start: Vec<f64>,
     /// Weight of each coordinate and rate; 0 for pins, which friction holds.
     weights: Vec<f64>,
-    /// State of the run at the end.
+    /// Final state of the run.
     reached: Vec<f64>,
-    /// State by the native flow there.
+    /// Final state of the native flow.
     flowed: Vec<f64>,
 }
 
@@ -78,7 +78,7 @@ impl Interval {
         weighed.map(|(value, weight)| value * weight).collect()
     }
 
-    /// Defect of each coordinate and rate, as a share of what the load would do.
+    /// Returns the defect of each coordinate and rate, as a share of the effect of the load.
     fn defect(&self) -> Vec<f64> {
         self.weighed(&less(&self.reached, &self.flowed))
     }
@@ -89,11 +89,11 @@ impl Interval {
     }
 }
 
-/// Intervals of a run, with their ends as the run reached them and as the native flow does from the same states.
+/// Intervals of a run with the final states of the run and of the native flow from the same initial states.
 pub(super) struct Motion(Vec<Interval>);
 
 impl Motion {
-    /// The motion of a run over the intervals that begin at the samples; `None` where the native flow does not come through.
+    /// Evaluates the intervals that begin at the samples; `None` if the native flow fails.
     pub(super) fn of(
         gearbox: &Gearbox,
         native: &mut Model<'_>,
@@ -124,13 +124,13 @@ impl Motion {
             .map(Self)
     }
 
-    /// The motion over some `most` of the intervals.
+    /// Returns the motion over about `most` of the intervals.
     pub(super) fn few(&self, most: usize) -> Self {
         let every = self.0.len().div_ceil(most);
         Self(self.0.iter().step_by(every).cloned().collect())
     }
 
-    /// Weighed ends of all intervals: of the run, and by the native flow.
+    /// Returns the weighted final states of all intervals, of the run and of the native flow.
     pub(super) fn ends(&self) -> [Vec<f64>; 2] {
         let of = |end: fn(&Interval) -> &Vec<f64>| {
             let each = self.0.iter().map(|of| of.weighed(end(of)));
@@ -139,14 +139,14 @@ impl Motion {
         [of(|of| &of.reached), of(|of| &of.flowed)]
     }
 
-    /// Weighed ends of all intervals by a model.
+    /// Returns the weighted final states of all intervals by a model.
     pub(super) fn flows(&self, model: &mut Model<'_>) -> Option<Vec<f64>> {
         let flow = |of: &Interval| Some(of.weighed(&model.flow(of.from_s, &of.start, of.to_s)?));
         let each: Option<Vec<_>> = self.0.iter().map(flow).collect();
         Some(each?.concat())
     }
 
-    /// Pictures of equations and integration. `coordinates`: their names.
+    /// Plots equations and integration over the named `coordinates`.
     pub(super) fn pictures(&self, rough: Option<&Self>, coordinates: &[String]) -> Vec<Picture> {
         let times: Vec<f64> = self.0.iter().map(|of| of.from_s).collect();
         let sizes = |of: &Self| of.0.iter().map(|of| vec![of.size()]).collect();
@@ -154,7 +154,7 @@ impl Motion {
         let mut runs = vec![("smallest step", &fine[..])];
         runs.extend(rough.iter().map(|rough| ("a larger step", &rough[..])));
         let count = coordinates.len();
-        // Friction holds pins, whose weight is 0.
+        // Pins held by friction have weight 0.
         let weights = self.0.first().map_or(&[][..], |of| &of.weights[..count]);
         let moved: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] > 0.0).collect();
         let names: Vec<String> = moved.iter().map(|k| coordinates[*k].clone()).collect();
@@ -176,17 +176,17 @@ impl Motion {
             .collect()
     }
 
-    /// Root of the mean of a square over all intervals.
+    /// Returns the root of the mean of a square over all intervals.
     fn mean(&self, square: impl Fn(&Interval) -> f64) -> f64 {
         (self.0.iter().map(square).sum::<f64>() / self.0.len() as f64).sqrt()
     }
 
-    /// Root mean square of the defects.
+    /// Returns the root mean square of the defects.
     pub(super) fn size(&self) -> f64 {
         self.mean(|of| of.size().powi(2))
     }
 
-    /// Defect as a share of what the run's own motion changes: it grows with the motion's amplitude.
+    /// Returns the defect as a share of the change of the run's own motion, with whose amplitude it grows.
     pub(super) fn share(&self) -> f64 {
         let change = |of: &Interval| {
             let all = of.weighed(&less(&of.flowed, &of.start));
@@ -196,13 +196,13 @@ impl Motion {
         self.size() / self.mean(change)
     }
 
-    /// True if one interval has almost all of the defect.
+    /// True if one interval has almost the entire defect.
     pub(super) fn is_alone(&self) -> bool {
         let most = self.0.iter().map(Interval::size).fold(0.0, f64::max);
         most.powi(2) > ALONE * self.0.len() as f64 * self.size().powi(2)
     }
 
-    /// Interval of the largest defect in words.
+    /// Returns the interval of the largest defect in words.
     fn place(&self) -> String {
         let which = if self.is_alone() { "alone" } else { "most" };
         let most = self.0.iter();
@@ -212,7 +212,7 @@ impl Motion {
         })
     }
 
-    /// True if the run's pins keep their rates, which the native flow changes.
+    /// True if the run's pins keep rates that the native flow changes.
     pub(super) fn keeps_pins(&self) -> bool {
         let turned = |end: fn(&Interval) -> &Vec<f64>| {
             let each = self.0.iter().flat_map(|of| {
@@ -225,8 +225,8 @@ impl Motion {
         turned(|of| &of.reached) < ROUNDING * turned(|of| &of.flowed)
     }
 
-    /// Judges equations and integration. `rough`: the motion of the run with a larger step, and how far its defects should have
-    /// fallen.
+    /// Judges equations and integration. `rough` has the motion of the run with a larger step, and the factor by which its
+    /// defects should fall.
     pub(super) fn judged(&self, rough: Option<(&Self, f64)>) -> [Judged; 2] {
         let size = self.size();
         let Some((rough, falls)) = rough else {
@@ -235,7 +235,7 @@ impl Motion {
                 .map(|stage| Judged::unknown(stage, note));
         };
         let fell = rough.share() / self.share();
-        // An error of the step alone falls to half at least.
+        // An integration error falls at least to half.
         let bound = size * (fell - 1.0).abs() + FLOW;
         let place = self.place();
         let kept = match self.keeps_pins() {
@@ -266,7 +266,7 @@ impl Motion {
     }
 }
 
-/// Inverse of what the load would accelerate each coordinate by, with the masses it moves: s^2, or s^2/m.
+/// Returns the inverse of each coordinate's acceleration by the load, with the masses it moves: s^2, or s^2/m.
 pub(super) fn strengths(gearbox: &Gearbox, native: &Model<'_>, columns: &Columns) -> Vec<f64> {
     let scene = &gearbox.scene;
     let layout = gearbox.layout;

@@ -1,4 +1,4 @@
-//! Stages of the engines of a comparison that differ from the native solver.
+//! Judgement of the engines of a comparison that differ from the native solver.
 
 use pinwheel_compare::comparison::Pair;
 use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict};
@@ -11,11 +11,11 @@ use super::kept::{RECORDED, of_record};
 use super::locate::Located;
 use crate::divergence::shares;
 
-/// Share of the largest difference from which a run has departed.
+/// Share of the largest difference from which a run counts as departed.
 const DEPARTED: f64 = 0.2;
 
-/// Judges the stages of every engine with the scene's law that differs from a native run or diverged, of solvers from outside
-/// that are inconclusive too, and of records. Engines with contacts of their own are never judged.
+/// Judges the stages of every engine with the scene's law that differs from a native run or diverged. Inconclusive external
+/// solvers and records are judged too; engines with contacts of their own are not.
 ///
 /// # Errors
 /// A stop.
@@ -46,11 +46,11 @@ pub fn of_comparison(
         let asked =
             |verdict| verdict == Verdict::Differ || verdict == Verdict::Inconclusive && brought;
         let mut pairs = comparison.pairs.iter().filter(is_of);
-        // A record without limits has no verdict.
+        // Records without limits have no verdict.
         let differs = one.status.is_broken()
             || one.track == SharedModel::Measured
             || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
-        let found = match (one.track, engine) {
+        let located = match (one.track, engine) {
             _ if !differs => None,
             (SharedModel::SharedLaw, Some(engine)) => {
                 let until_s = match one.status.is_finished() {
@@ -59,18 +59,18 @@ pub fn of_comparison(
                 };
                 let cost = one.cost.rhs_calls;
                 let cost = Some(cost).filter(|cost| *cost > 0 && one.status.is_finished());
-                let found = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
-                found.filter(|found| brought || found.first().is_some())
+                let located = of_engine(engine.as_ref(), gearbox, until_s, cost, control)?;
+                located.filter(|located| brought || located.first().is_some())
             }
             (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series, RECORDED),
             _ => None,
         };
-        all.extend(found);
+        all.extend(located);
     }
     Ok(all)
 }
 
-/// First time at which two runs on the same samples are apart by a good part of their largest distance, s.
+/// Returns the first time at which two runs with the same samples are [`DEPARTED`] of their largest distance apart, s.
 fn departure_s(a: &TimeSeries, b: &TimeSeries) -> f64 {
     let apart = shares(a, b, 1.0);
     let most = apart.iter().copied().fold(0.0, f64::max);

@@ -1,10 +1,10 @@
-//! Residuals of the stages over time, pins, places on a lobe and bodies.
+//! Plots of the residuals of the stages over time, pins, positions on a lobe and coordinates.
 
 use serde::Serialize;
 
 use super::judged::Stage;
 
-/// Places on a lobe.
+/// Number of bins along a lobe.
 const PLACES: usize = 24;
 
 /// Horizontal axis of a picture.
@@ -15,29 +15,29 @@ pub enum Over {
     Time,
     /// Number of the pin, ring pins first.
     Pins,
-    /// Place of contact on a lobe, from the tip of one to that of the next: ring pins alone.
+    /// Position of the contact on a lobe, from tip to tip; ring pins only.
     Lobe,
     /// Coordinates, by their names.
     Coordinates,
 }
 
-/// Residual of a stage, as a share of what the stage is judged by.
+/// Plot of the residual of a stage, relative to the quantity that the stage is judged by.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Picture {
-    /// The stage.
+    /// Stage of the residual.
     pub stage: Stage,
     /// Horizontal axis.
     pub over: Over,
     /// Horizontal values.
     pub x: Vec<f64>,
-    /// Names of the horizontal values, where numbers are none.
+    /// Names of the horizontal values if they are not numbers.
     pub names: Vec<String>,
-    /// Curves: name and values; NaN where there is none.
+    /// Curves: name and values; NaN where undefined.
     pub curves: Vec<(String, Vec<f64>)>,
 }
 
 impl Picture {
-    /// Draws the largest residual of each row of named runs over time, s.
+    /// Plots the largest residual of each row of named runs over time, s.
     pub(super) fn over_time(stage: Stage, times: &[f64], runs: &[(&str, &[Vec<f64>])]) -> Self {
         let most = |row: &Vec<f64>| row.iter().fold(0.0, |most: f64, off| most.max(off.abs()));
         let curve = |(name, rows): &(&str, &[Vec<f64>])| {
@@ -53,7 +53,7 @@ impl Picture {
         }
     }
 
-    /// Draws the root mean square of each column: of a pin, or of a named coordinate.
+    /// Plots the root mean square of each column, for pins or for named coordinates.
     pub(super) fn over_columns(stage: Stage, rows: &[Vec<f64>], names: Vec<String>) -> Self {
         let count = rows.first().map_or(0, Vec::len);
         let all = rows.iter().flat_map(|row| row.iter().copied().enumerate());
@@ -70,7 +70,7 @@ impl Picture {
         }
     }
 
-    /// Draws the root mean square at each place on a lobe, from pairs of a place, 0 to 1, and a residual.
+    /// Plots the root mean square at each position on a lobe, from pairs of a position, 0 to 1, and a residual.
     pub(super) fn over_lobe(stage: Stage, at: impl Iterator<Item = (f64, f64)>) -> Self {
         let place = |(lobe, off)| ((lobe * PLACES as f64) as usize % PLACES, off);
         let centre = |place: usize| (place as f64 + 0.5) / PLACES as f64;
@@ -84,7 +84,7 @@ impl Picture {
     }
 }
 
-/// Root mean square of numbered values; NaN where there is none.
+/// Returns the root mean square of numbered values; NaN without a value.
 fn mean(count: usize, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); count];
     for (number, off) in values {

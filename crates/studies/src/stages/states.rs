@@ -1,12 +1,12 @@
-//! States of a run from its columns, in the coordinates of the reduced form.
+//! States of a run from its columns, in coordinates of the reduced form.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::{TimeSeries, columns, group_of};
 
 use super::model::{Model, Work};
 
-/// Column of each coordinate of a gear and of its rate, in the order of the reduced form's y. `None`: a pin's angle, on which
-/// nothing depends.
+/// Columns of each coordinate of a gear and of its rate, in the order of the reduced form's y; `None` for a pin's angle that
+/// affects nothing.
 pub(super) struct Columns {
     pub(super) names: Vec<Option<String>>,
     /// Name of each coordinate in words.
@@ -16,7 +16,7 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Columns of a gear whose `free` bodies have angles of their own, and whose discs float or do not.
+    /// Returns the columns of a gear whose `free` bodies have angles of their own, with or without floating discs.
     pub(super) fn of(gearbox: &Gearbox, free: &[usize]) -> Self {
         let layout = gearbox.layout;
         let kinds = [
@@ -62,36 +62,36 @@ impl Columns {
         }
     }
 
-    /// Columns of a gear's native model; `None` if it has no reduced form.
+    /// Returns the columns of a gear's native model; `None` if it has no reduced form.
     pub(super) fn native(gearbox: &Gearbox) -> Option<Self> {
         let work = Work::new(gearbox, 0);
         Some(Self::of(gearbox, Model::new(&work, Vec::new())?.free()))
     }
 
-    /// Number of coordinates that are places.
+    /// Returns the number of coordinates that are positions.
     pub(super) fn places(&self) -> usize {
         self.coordinates.len() - self.angles
     }
 
-    /// Columns beyond those that every run has.
+    /// Returns the columns beyond the standard ones.
     pub(super) fn channels(&self) -> Vec<String> {
         let names = self.names.iter().flatten();
         let asked = names.filter(|name| *name != columns::OUTPUT_ANGLE);
         asked.cloned().collect()
     }
 
-    /// Columns that a run lacks, as patterns.
+    /// Returns patterns of the columns that a run lacks.
     pub(super) fn missing(&self, run: &TimeSeries) -> Vec<String> {
         let names = self.channels().into_iter();
         patterns(names.filter(|name| run.channel(name).is_none()))
     }
 
-    /// Columns beyond those that every run has, as patterns.
+    /// Returns patterns of the columns beyond the standard ones.
     pub(super) fn patterns(&self) -> Vec<String> {
         patterns(self.channels().into_iter())
     }
 
-    /// State of a run at a sample; NaN for what it lacks.
+    /// Returns the state of a run at a sample; NaN for missing columns.
     pub(super) fn at(&self, run: &TimeSeries, sample: usize) -> Vec<f64> {
         let value = |name: &Option<String>| match name {
             None => 0.0,

@@ -16,20 +16,20 @@ use super::model::Change;
 pub(super) enum Size {
     /// Factor: the changed quantity is 1 + p times the native one.
     Factor,
-    /// Added to a quantity, with its unit and a small size.
+    /// Offset added to a quantity, with its unit and a small size.
     Shift(&'static str, f64),
-    /// 0: the native form, 1: the other one.
+    /// Switch from the native form, 0, to another one, 1.
     Switch,
 }
 
-/// Added angle, and a length.
+/// Offset of an angle, and of a length.
 const ANGLE: Size = Size::Shift(" rad", 1e-6);
 const LENGTH: Size = Size::Shift(" m", 1e-9);
 
-/// Fault that somebody could have made.
+/// Possible fault of a solver.
 pub(super) struct Suspect {
     pub(super) stage: Stage,
-    /// The cause in one word.
+    /// Cause in one word.
     pub(super) cause: &'static str,
     /// Change of the model, in words.
     pub(super) what: String,
@@ -38,27 +38,27 @@ pub(super) struct Suspect {
 }
 
 impl Suspect {
-    /// True if columns at given states show it.
+    /// True if columns at given states show the fault.
     pub(super) fn shows_in_columns(&self) -> bool {
         !matches!(self.stage, Stage::Equations | Stage::Integration)
     }
 
-    /// True if it acts on the motion.
+    /// True if the fault affects the motion.
     pub(super) fn moves(&self) -> bool {
         self.change.moves()
     }
 
-    /// True if it acts on the motion where the forces are right.
+    /// True if the fault affects the motion while the forces stay right.
     pub(super) fn moves_alone(&self) -> bool {
         self.moves() && self.stage >= Stage::Assembly
     }
 }
 
-/// Pairs that a fault concerns, and the place of a key.
+/// Selection of the pairs that a fault concerns, and access to a key.
 type Of = fn(&PairContact) -> bool;
 type Key = fn(&mut Scene) -> &mut f64;
 
-/// Suspects of a gear, the most likely of those that look alike first.
+/// Returns the suspects of a gear; among similar ones the likeliest first.
 pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     use Size::{Factor, Shift, Switch};
     use Stage::{Assembly, ContactSearch, Driver, Equations, Integration, Law, Start};
@@ -87,7 +87,7 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
                     pair.stiffness *= 1.0 + p;
                     again(pair, law);
                 }
-                // K is no stiffness there.
+                // For this law K is no stiffness.
                 Some(_) => press(pair, p * pair.normal_force_at(law, 0.0)),
             }
         });
@@ -142,8 +142,8 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
         let damping = scene.contact.damping_n_s_m;
         let change = pairs(is_any, move |pair, law, p| {
             let elastic = pair.normal_force_at(law, 0.0);
-            let whole = damping * pair.normal_rate_m_s + elastic;
-            press(pair, p * (whole.max(0.0) - pair.normal_force_n));
+            let force = damping * pair.normal_rate_m_s + elastic;
+            press(pair, p * (force.max(0.0) - pair.normal_force_n));
         });
         add(Law, "damping", "damping without its ramp", Switch, change);
     }
@@ -221,7 +221,7 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
-    // A disc's motion knows moment over inertia alone.
+    // The motion of a disc depends only on moment over inertia.
     let what = "moments of contact forces on the discs";
     add(Assembly, "lever", what, Factor, Change::Lever);
     add(Equations, "load", "load", Factor, Change::Load);
@@ -252,7 +252,7 @@ fn is_external(pair: &PairContact) -> bool {
     matches!(pair.sleeve, Sleeve::External(_))
 }
 
-/// Another pair for those that it concerns.
+/// Changes the pairs that a fault concerns.
 fn pairs(
     of: impl Fn(&PairContact) -> bool + 'static,
     change: impl Fn(&mut PairContact, &PinLaw, f64) + 'static,
@@ -268,7 +268,7 @@ fn keys(set: impl Fn(&mut Scene, f64) + 'static) -> Change {
     Change::Scene(Box::new(set))
 }
 
-/// Factor on moments of inertia.
+/// Returns a factor on moments of inertia.
 fn turning(bodies: Range<usize>) -> Change {
     Change::Mass(Box::new(move |mechanism, p| {
         let bodies = &mut mechanism.bodies[bodies.clone()];
@@ -276,7 +276,7 @@ fn turning(bodies: Range<usize>) -> Change {
     }))
 }
 
-/// Factor on masses, and on the moment of inertia of a body.
+/// Returns a factor on masses and on the moment of inertia of one body.
 fn heavier(bodies: Range<usize>, turning: Option<usize>) -> Change {
     Change::Mass(Box::new(move |mechanism, p| {
         let masses = &mut mechanism.bodies[bodies.clone()];
@@ -286,13 +286,13 @@ fn heavier(bodies: Range<usize>, turning: Option<usize>) -> Change {
     }))
 }
 
-/// Renews the forces of a pair that was changed.
+/// Recomputes the forces of a changed pair.
 fn again(pair: &mut PairContact, law: &PinLaw) {
     let normal = pair.normal_force_at(law, pair.normal_rate_m_s);
     press(pair, normal - pair.normal_force_n);
 }
 
-/// Adds to a pair's normal force, N, with its share of the friction.
+/// Adds to a pair's normal force, N, and in proportion to its friction.
 fn press(pair: &mut PairContact, more: f64) {
     let before = pair.normal_force_n;
     pair.normal_force_n = (before + more).max(0.0);

@@ -55,8 +55,8 @@ impl Value {
     /// Returns the numbers of the value: one, those of a list, or none.
     pub fn numbers(&self) -> Vec<f64> {
         let of = |value: &Toml| {
-            let whole = || value.as_integer().map(|x| x as f64);
-            value.as_float().or_else(whole)
+            let integer = || value.as_integer().map(|x| x as f64);
+            value.as_float().or_else(integer)
         };
         match self {
             Self::Other(text) => match text.parse() {
@@ -152,9 +152,9 @@ pub fn values(
         Node::Table(entries) => {
             let range: Range = document.read(key, item, RANGES)?;
             let float = |item: &Item<'_>| matches!(item.node, Node::Plain(Toml::Float(_)));
-            let whole = !entries.iter().any(|(_, item)| float(item));
+            let integer = !entries.iter().any(|(_, item)| float(item));
             let numbers = range.numbers().map_err(|what| wrong(&what, RANGES))?;
-            tidy(&numbers, whole)
+            tidy(&numbers, integer)
         }
         Node::Plain(_) => vec![Value::of(item)],
     };
@@ -186,8 +186,8 @@ impl Range {
         let points = match (self.points, self.step) {
             (Some(points), None) if (1..=MOST_VALUES).contains(&points) => points,
             (Some(_), None) => {
-                let whole = "`points` must be a whole number from 1 to";
-                return Err(format!("{whole} {MOST_VALUES}"));
+                let text = "`points` must be a whole number from 1 to";
+                return Err(format!("{text} {MOST_VALUES}"));
             }
             (None, Some(step)) if !log && (to - from) / step >= 0.0 => {
                 let steps = (to - from) / step * (1.0 + 1e-12);
@@ -217,12 +217,12 @@ impl Range {
     }
 }
 
-/// Returns integers if the file states integer ends (`whole`) and all values between are integers; otherwise numbers of twelve
+/// Returns integers if the file states integer ends (`integer`) and all values between are integers; otherwise numbers of twelve
 /// digits, so that 0.1 + 0.2 is 0.3.
-fn tidy(list: &[f64], whole: bool) -> Vec<Value> {
+fn tidy(list: &[f64], integer: bool) -> Vec<Value> {
     let is_whole = |x: &f64| (x - x.round()).abs() < 1e-9 * x.abs().max(1.0);
-    let whole = whole && list.iter().all(is_whole);
-    let number = |&x: &f64| match whole {
+    let integer = integer && list.iter().all(is_whole);
+    let number = |&x: &f64| match integer {
         true => Value::Whole(x.round() as i64),
         false => Value::Number(format!("{x:.11e}").parse().unwrap_or(x)),
     };

@@ -10,8 +10,8 @@
 //!
 //! Records are written directly to their place, without waiting for the disk, which would cost as much as a short run. After a
 //! kill or a power cut an incomplete record is invalid JSON, and its run is repeated. Time series are written beside their
-//! place, synced and then renamed, because a record states that they exist. It also contains their size and hash, and its own:
-//! damaged or changed files are ignored.
+//! place, synced and then renamed, because a record states that they exist. A record also contains their size and hash, and
+//! its own: damaged or changed files are ignored.
 
 use std::collections::{HashMap, HashSet};
 use std::fmt::Display;
@@ -43,7 +43,7 @@ const UNFINISHED: &str = ".unfinished-";
 pub enum Begin {
     /// Requires that there are none.
     Fresh,
-    /// Uses them, and those of earlier results.
+    /// Uses these runs and the runs of earlier results.
     Resume,
     /// Deletes them.
     Over,
@@ -170,8 +170,8 @@ impl Journal {
         let record = record(&fs::read(&path).ok()?).filter(|r| r.identity() == identity)?;
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let written = &record.time_series;
-        let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
-        let there = !record.ending.is_finished() || file.is_none_or(whole);
+        let intact = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
+        let there = !record.ending.is_finished() || file.is_none_or(intact);
         (there && !record.ending.may_pass()).then_some(record)
     }
 

@@ -7,17 +7,17 @@ pub(super) fn leaves<'d, 't>(
     entries: &'d [(String, Item<'t>)],
     words: &[&str],
 ) -> Vec<(String, &'d Item<'t>)> {
-    let mut found = Vec::new();
+    let mut list = Vec::new();
     for (name, item) in entries {
         let is_value =
             |inner: &&Entries<'_>| inner.iter().any(|(key, _)| words.contains(&key.as_str()));
         match item.node.as_table().filter(|inner| !is_value(inner)) {
             Some(inner) => {
                 let inner = leaves(inner, words).into_iter();
-                found.extend(inner.map(|(key, item)| (format!("{name}.{key}"), item)));
+                list.extend(inner.map(|(key, item)| (format!("{name}.{key}"), item)));
             }
-            None => found.push((name.clone(), item)),
+            None => list.push((name.clone(), item)),
         }
     }
-    found
+    list
 }

@@ -41,7 +41,7 @@ pub fn write(
     rows: &[Row<'_>],
     table: &Table,
     journal: &Journal,
-    made: &Provenance,
+    origin: &Provenance,
 ) -> Result<(), StudyError> {
     write_with(dir, "results.csv", |sink| table.write_csv(sink))?;
     let costs = costs(rows);
@@ -60,7 +60,7 @@ pub fn write(
     }
     let sweep = &plan.sweep;
     let finished = rows.iter().filter(|row| row.is_finished());
-    let found = Payload {
+    let payload = Payload {
         name: &sweep.name,
         description: &sweep.description,
         scene: &sweep.scene,
@@ -73,5 +73,5 @@ pub fn write(
         specification: &sweep.specification,
         sample: tolerances(plan, table),
     };
-    Ok(Summary::new(made, found).write(dir)?)
+    Ok(Summary::new(origin, payload).write(dir)?)
 }

@@ -150,13 +150,13 @@ impl RunRecord {
                 let name = &quantity.name;
                 Figures::of(&run.time_series, name, &quantity.channels, samples)
             };
-            if let Some(found) = of(samples.clone()) {
-                let mean = found.statistics.mean;
+            if let Some(figure) = of(samples.clone()) {
+                let mean = figure.statistics.mean;
                 let late = of(samples.start + samples.len() / 2..samples.end);
                 let spread = WindowStatistics {
                     drift: late.map_or(0.0, |late| (late.statistics.mean - mean).abs()),
-                    statistics: found.statistics,
-                    sampling: Some(found.sampling),
+                    statistics: figure.statistics,
+                    sampling: Some(figure.sampling),
                 };
                 self.quantities.push(quantity.name.clone());
                 self.figures.insert(quantity.name, spread);

@@ -39,7 +39,7 @@ pub fn results(plan: &Plan, rows: &[Row<'_>]) -> Table {
         "Every run: what was varied, how it ended, and its figures over the window",
         rows.iter().enumerate(),
     )
-    .whole("run", "run", |(run, _)| Some(run + 1))
+    .integers("run", "run", |(run, _)| Some(run + 1))
     .text("engine", "engine", |(_, row)| row.engine()[0]);
     for (place, key) in plan.keys().enumerate() {
         let values = (0..rows.len()).map(|run| plan.values(run)[place]);
@@ -52,8 +52,8 @@ pub fn results(plan: &Plan, rows: &[Row<'_>]) -> Table {
         table = table.number(name, name, |(_, row)| of(**row));
     }
     table = table
-        .whole("steps", "steps", |(_, row)| Some(row.steps))
-        .whole("rhs_calls", "rhs_calls", |(_, row)| Some(row.rhs_calls));
+        .integers("steps", "steps", |(_, row)| Some(row.steps))
+        .integers("rhs_calls", "rhs_calls", |(_, row)| Some(row.rhs_calls));
     for quantity in quantities(plan, rows) {
         for (figure, of) in FIGURES {
             let name = format!("{figure}_{quantity}");
@@ -77,7 +77,7 @@ pub fn results(plan: &Plan, rows: &[Row<'_>]) -> Table {
     if !limits.is_empty() {
         let so_far = table.so_far();
         let kept = (0..rows.len()).map(|row| Some(i64::from(keeps(so_far, limits, row))));
-        let kept = Values::Whole(kept.collect());
+        let kept = Values::Integers(kept.collect());
         table = table.column(WITHIN, WITHIN, kept);
     }
     table.text("reason", "", |(_, row)| row.reason()).done()
@@ -92,7 +92,7 @@ pub fn broken<'a>(rows: &[Row<'a>]) -> impl Iterator<Item = Row<'a>> + Clone {
 /// Returns the cost of each run. It is no part of the results, which repeat to the bit.
 pub fn costs(rows: &[Row<'_>]) -> Table {
     Table::of("What each run cost", rows.iter().enumerate())
-        .whole("run", "run", |(run, _)| Some(run + 1))
+        .integers("run", "run", |(run, _)| Some(run + 1))
         .text("engine", "engine", |(_, row)| row.engine()[0])
         .number("wall_s", "wall_s", |(_, row)| row.wall_s)
         .number("cpu_s", "cpu_s", |(_, row)| row.cpu_s)
@@ -119,12 +119,12 @@ fn quantities<'a>(plan: &Plan, rows: &[Row<'a>]) -> Vec<&'a str> {
 
 /// Returns the column of a varied key, of numbers if all its values are numbers.
 fn varied(values: &[&Value]) -> Values {
-    let whole = |value: &&Value| match value {
+    let integer = |value: &&Value| match value {
         Value::Whole(x) => Some(*x),
         _ => None,
     };
-    if values.iter().all(|value| whole(value).is_some()) {
-        Values::Whole(values.iter().map(whole).collect())
+    if values.iter().all(|value| integer(value).is_some()) {
+        Values::Integers(values.iter().map(integer).collect())
     } else if values.iter().all(|value| value.number().is_some()) {
         Values::Number(values.iter().map(|value| value.number()).collect())
     } else {

@@ -1,7 +1,7 @@
 //! Rows of the results: records of many runs in memory, without their scenes.
 //!
-//! Numbers and words of all runs stand in common lists. Small blocks of their own, among those that come and go with every run, would
-//! take some kilobytes each.
+//! Numbers and words of all runs are stored in common lists. Separate small blocks would take some kilobytes a run, because
+//! they lie among short-lived blocks of every run.
 
 use std::ops::Deref;
 

@@ -104,16 +104,16 @@ impl Sample {
             node: Node::Table(settings.cloned().collect()),
         };
         let form = "state the number of runs, such as points = 1000; seed and method may follow";
-        let sample: Self = document.read("sample", &settings, form)?;
+        let dist: Self = document.read("sample", &settings, form)?;
         let columns: usize = keys.iter().map(|(_, of)| of.each.unwrap_or(1)).sum();
-        let points = sample.points;
+        let points = dist.points;
         let (what, remedy) = if !(2..=MOST_POINTS).contains(&points) {
             let what = format!("`points` is no whole number from 2 to {MOST_POINTS}");
             (what, "write points = 1000".to_owned())
         } else if keys.is_empty() {
             let remedy = format!("name an uncertain key, such as gear.backlash_m; {FORMS}");
             ("the sample has no key of the scene".to_owned(), remedy)
-        } else if sample.method == Method::Sobol && columns > MOST_SOBOL {
+        } else if dist.method == Method::Sobol && columns > MOST_SOBOL {
             let what = format!(
                 "{columns} values a run are more than the {MOST_SOBOL} of a Sobol sequence"
             );
@@ -124,7 +124,7 @@ impl Sample {
             );
             (what, "take fewer points, or fewer keys".to_owned())
         } else {
-            return Ok(Self { keys, ..sample });
+            return Ok(Self { keys, ..dist });
         };
         Err(document.fault(line, what, remedy))
     }
@@ -178,36 +178,36 @@ impl Distribution {
             let what = format!("`{key}` has no distribution");
             return Err(document.fault(item.line, what, near.unwrap_or_else(|| FORMS.to_owned())));
         }
-        let found: Self = document.read(key, item, FORMS)?;
+        let dist: Self = document.read(key, item, FORMS)?;
         let wrong = |what: &str| Err(document.fault(item.line, format!("`{key}`: {what}"), FORMS));
-        let widths = [found.deviation, found.plus_minus];
-        let numbers = [found.mean, found.from, found.to].into_iter().chain(widths);
+        let widths = [dist.deviation, dist.plus_minus];
+        let numbers = [dist.mean, dist.from, dist.to].into_iter().chain(widths);
         if !numbers.flatten().all(f64::is_finite) {
             return wrong("has a value that is no finite number");
         }
         if widths.iter().flatten().any(|x| *x <= 0.0) {
             return wrong("`deviation` or `plus_minus` is not above 0");
         }
-        let each = found.each.unwrap_or(1);
+        let each = dist.each.unwrap_or(1);
         if !(1..=MOST_EACH).contains(&each) {
             return wrong(&format!("`each` is no whole number from 1 to {MOST_EACH}"));
         }
-        let one_end = found.from.is_some() || found.to.is_some();
-        let both = found.from.zip(found.to);
+        let one_end = dist.from.is_some() || dist.to.is_some();
+        let both = dist.from.zip(dist.to);
         if both.is_some_and(|(from, to)| from >= to) {
             return wrong("`from` is not below `to`");
         }
-        if one_end && found.plus_minus.is_some() {
+        if one_end && dist.plus_minus.is_some() {
             return wrong("`plus_minus` and `from` or `to` are two ways to say one thing");
         }
         match widths {
-            [None, None] if found.mean.is_some() => {
+            [None, None] if dist.mean.is_some() => {
                 wrong("has a mean and no `deviation` or `plus_minus`")
             }
-            [None, None] if found.from.is_none() || found.to.is_none() => {
+            [None, None] if dist.from.is_none() || dist.to.is_none() => {
                 wrong("has no `deviation`, and not both `from` and `to`")
             }
-            _ => Ok(found),
+            _ => Ok(dist),
         }
     }
 

@@ -97,15 +97,15 @@ impl Engine for Statics {
             let solver = pinwheel_gearbox::statics::Statics::new(&gearbox);
             let mut solver = solver.map_err(|source| ended(of_scene(&gearbox.scene, source)))?;
             let poses = Poses::of(&gearbox.scene).resolving();
-            let found = at_poses(&mut solver, (&poses, true), control.cancel).map_err(ended)?;
-            let all = figures(&found.figures());
+            let solved = at_poses(&mut solver, (&poses, true), control.cancel).map_err(ended)?;
+            let all = figures(&solved.figures());
             let stats = RunStats {
                 wall_s: wall.elapsed().as_secs_f64(),
                 cpu_s: cpu.elapsed().as_secs_f64(),
                 settings: "balances".to_owned(),
                 steps: solver.balances()[0],
                 rhs_calls: solver.evaluations(),
-                notes: found.preloaded().into_iter().collect(),
+                notes: solved.preloaded().into_iter().collect(),
                 ..RunStats::default()
             };
             let mut run = Run::new(TimeSeries::default(), stats);

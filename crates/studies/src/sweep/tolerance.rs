@@ -295,9 +295,9 @@ fn regression(columns: &[Vec<f64>], of: &[f64]) -> Option<(Vec<f64>, f64)> {
     };
     let correlations = DMatrix::from_fn(keys, keys, |i, j| product(&columns[i], &columns[j]));
     let with = DVector::from_fn(keys, |i, _| product(&columns[i], &of));
-    let found = correlations.cholesky()?.solve(&with);
-    let explained = found.dot(&with);
-    let coefficients = found.iter().copied().collect();
+    let slopes = correlations.cholesky()?.solve(&with);
+    let explained = slopes.dot(&with);
+    let coefficients = slopes.iter().copied().collect();
     explained
         .is_finite()
         .then(|| (coefficients, explained.min(1.0)))

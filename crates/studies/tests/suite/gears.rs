@@ -54,7 +54,7 @@ fn draw(rng: &mut Rng, apart: &mut Rng, of_cranks: &mut Rng) -> Option<Scene> {
 
 fn geometry(rng: &mut Rng) -> Gear {
     let pitch_radius = rng.spread(2.5e-3, 0.5);
-    let zk = rng.whole(6, 60);
+    let zk = rng.integer(6, 60);
     let shortening = rng.between(0.4, 0.9);
     let eccentricity = shortening * pitch_radius / zk as f64;
     let k = zk as f64;
@@ -63,7 +63,7 @@ fn geometry(rng: &mut Rng) -> Gear {
         * (27.0 * (1.0 - shortening * shortening) * (k - 1.0) / (k + 1.0).powi(3)).sqrt();
     let pitch = pitch_radius * (PI / k).sin();
     let sleeve = rng.between(0.3, 0.9) * bend.min(pitch);
-    let zi = rng.whole(4, 16);
+    let zi = rng.integer(4, 16);
     let room = pitch_radius - eccentricity - sleeve;
     let circle = rng.between(0.45, 0.75) * room;
     let most = (circle * (PI / zi as f64).sin()).min(room - circle);
@@ -88,7 +88,7 @@ fn geometry(rng: &mut Rng) -> Gear {
         face_width_m: None,
         modification: Modification::default(),
         errors: Errors::default(),
-        wheels: rng.whole(1, 4),
+        wheels: rng.integer(1, 4),
         backlash_m: if rng.chance(0.5) {
             0.0
         } else {
@@ -133,9 +133,9 @@ fn material(rng: &mut Rng, scene: &mut Scene) {
         "paper-printed",
     ];
     let contact = &mut scene.contact;
-    contact.law = laws[rng.whole(0, laws.len() - 1)].to_owned();
+    contact.law = laws[rng.integer(0, laws.len() - 1)].to_owned();
     contact.young_pa = rng.spread(2e9, 2e11);
-    contact.stiffness_multiplier = [1.0, 1.0, 0.1, 0.01][rng.whole(0, 3)];
+    contact.stiffness_multiplier = [1.0, 1.0, 0.1, 0.01][rng.integer(0, 3)];
     contact.line_length_m = 0.15 * scene.gear.pitch_radius_m();
 }
 
@@ -201,8 +201,8 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
     }
     if rng.chance(0.06) && !["paper-conservative", "line-hertz"].contains(&contact.law.as_str()) {
         contact.detection = Detection::Points;
-        contact.wheel_points = gear.lobes() * rng.whole(200, 600);
-        contact.hole_points = rng.whole(100, 400);
+        contact.wheel_points = gear.lobes() * rng.integer(200, 600);
+        contact.hole_points = rng.integer(100, 400);
     }
 }
 
@@ -216,7 +216,7 @@ fn bearings(rng: &mut Rng, scene: &mut Scene) {
     let [has_rollers, is_loose, bends] = [0.4, 0.3, 0.5].map(|share| rng.chance(share));
     // Some times stiffer than the contacts to as soft as they are.
     let [stiffness, pin] = [force, 0.1 * force].map(|force| force / depth * rng.spread(0.5, 10.0));
-    let rollers = rng.whole(8, 30);
+    let rollers = rng.integer(8, 30);
     scene.bearings.eccentric = Some(EccentricBearing {
         stiffness_n_m: (!has_rollers).then_some(stiffness),
         rollers: has_rollers.then_some(rollers),
@@ -234,15 +234,15 @@ fn cranks(rng: &mut Rng, scene: &mut Scene) {
     }
     let gear = &mut scene.gear;
     let bore = gear.internal_sleeve_radius_m + gear.eccentricity_m;
-    gear.internal_sleeves = rng.whole(2, 3);
+    gear.internal_sleeves = rng.integer(2, 3);
     gear.internal_sleeve_radius_m = bore - gear.eccentricity_m;
     gear.hole_radius_m = gear.internal_sleeve_radius_m + gear.eccentricity_m;
     scene.cranks = Some(Cranks {
         count: gear.internal_sleeves,
         circle_radius_m: gear.internal_circle_radius_m,
         bore_radius_m: bore,
-        sun_teeth: rng.whole(10, 20),
-        planet_teeth: rng.whole(20, 60),
+        sun_teeth: rng.integer(10, 20),
+        planet_teeth: rng.integer(20, 60),
         support_stiffness_n_m: None,
         mesh_stiffness_n_m: None,
     });

@@ -30,7 +30,7 @@ fn run(settings: &[(&str, &str)]) -> NativeRun {
     let gearbox = Gearbox::new(&scene(settings).clone().check().unwrap()).unwrap();
     native::run(&gearbox, &mut |_| false)
         .unwrap()
-        .whole()
+        .finished()
         .unwrap()
 }
 

@@ -6,7 +6,7 @@ use pinwheel_engines::{
     Control, Engine, EngineInfo, Halt, Prepared, Refinement, Run, RunStats, SharedModel, by_name,
 };
 use pinwheel_faults::{Armed, Fault};
-use pinwheel_gearbox::channels::{LawPairs, Seen};
+use pinwheel_gearbox::channels::{EngineState, LawPairs};
 use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Frequencies, Gearbox, Recorder, native};
@@ -218,7 +218,7 @@ impl Solver {
                 });
             }
             recorder.record_observed(&seen, [driver, own.load_torque(t)]);
-            recorder.record_channels(&mut Seen {
+            recorder.record_channels(&mut EngineState {
                 bodies: seen.bodies,
                 driver_torque_n_m: driver,
                 reactions: None,

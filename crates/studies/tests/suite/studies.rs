@@ -107,7 +107,7 @@ fn hard_unresolved_runs_are_told() {
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let run = pinwheel_gearbox::native::run(&gearbox, &mut |_| false)
             .unwrap()
-            .whole()
+            .finished()
             .unwrap();
         resolution::check(
             &gearbox,

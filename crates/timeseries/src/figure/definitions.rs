@@ -5,7 +5,7 @@ use super::FigureDef;
 /// Significant digits of a design's figure, as in a data sheet.
 pub const DIGITS: u8 = 4;
 
-/// Definitions: key, what it is, unit, how it is counted; and their list.
+/// Defines figures, each with key, description, unit and rule of counting, and the list of all.
 macro_rules! definitions {
     ($list:ident, $digits:expr; $($name:ident = $key:literal, $label:literal, $unit:literal, $how:literal;)*) => {
         $(#[doc = $label] pub static $name: FigureDef =
@@ -113,7 +113,7 @@ pub fn all() -> impl Iterator<Item = &'static FigureDef> {
     OF_DESIGNS.iter().chain(OF_RUNS).copied()
 }
 
-/// Shares that friction loses, by what rubs.
+/// Shares of the loss by friction, by sliding part.
 pub static FRICTION: [&FigureDef; 4] = [
     &SHARE_CONTACTS,
     &SHARE_BEARINGS,

@@ -25,14 +25,14 @@ pub(super) fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
                 "'" => ['\'', '\u{2019}'].contains(&c),
                 _ => mark.contains(c),
             };
-            let (whole, rest) = text.split_at(text.find(decimal).unwrap_or(text.len()));
-            let first = whole.find(is_mark).unwrap_or_default();
-            let mut groups = whole.split(is_mark).skip(1);
-            let first = whole[..first].trim_start_matches(['+', '-']).len();
+            let (number, rest) = text.split_at(text.find(decimal).unwrap_or(text.len()));
+            let first = number.find(is_mark).unwrap_or_default();
+            let mut groups = number.split(is_mark).skip(1);
+            let first = number[..first].trim_start_matches(['+', '-']).len();
             if rest.contains(is_mark) || first > 3 || !groups.all(|group| group.len() == 3) {
                 return Err(format!("`{shown}` has marks of thousands elsewhere"));
             }
-            whole.replace(is_mark, "") + rest
+            number.replace(is_mark, "") + rest
         }
     };
     // Fortran writes 1.5D-03 for a double, and some spreadsheets a minus sign that is no hyphen.
@@ -57,8 +57,8 @@ pub(super) fn clock(text: &str) -> Option<f64> {
     let (_, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));
     let mut parts = time.split(':');
     let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
-    let whole = |text: &str| text.parse::<u16>().ok().map(f64::from);
-    let (hours, minutes) = (whole(hours)?, whole(minutes)?);
+    let number = |text: &str| text.parse::<u16>().ok().map(f64::from);
+    let (hours, minutes) = (number(hours)?, number(minutes)?);
     let seconds: f64 = seconds.replace(',', ".").parse().ok()?;
     let sound = parts.next().is_none() && minutes < 60.0 && (0.0..61.0).contains(&seconds);
     sound.then_some(3600.0 * hours + 60.0 * minutes + seconds)

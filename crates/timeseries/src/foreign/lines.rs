@@ -168,7 +168,7 @@ impl Header {
                     second + 1,
                     short(name)
                 ))),
-                found => Ok(found.map(|(first, _)| *first)),
+                known => Ok(known.map(|(first, _)| *first)),
             },
             ColumnRef::Number(number) => {
                 let index = number.checked_sub(1);

@@ -498,13 +498,13 @@ impl Source {
             ColumnRef::Name(column) => stars(column) == stars(name),
             ColumnRef::Number(_) => stars(name) == 0,
         };
-        let given = [
+        let stated = [
             full.column.is_some(),
             !full.magnitude_of.is_empty(),
             !full.sum_of.is_empty(),
         ];
         require(
-            given.into_iter().filter(|given| *given).count() == 1,
+            stated.into_iter().filter(|stated| *stated).count() == 1,
             "needs one of `column`, `magnitude_of` and `sum_of`",
             "give one of them",
         )?;

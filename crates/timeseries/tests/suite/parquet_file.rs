@@ -32,7 +32,7 @@ fn cells_may_be_empty() {
         [(Some(0.1), None, "\u{e9}, \"x\""), (None, Some(-3), "")],
     )
     .number("n", "", |row| row.0)
-    .whole("k", "", |row| row.1)
+    .integers("k", "", |row| row.1)
     .text("t", "", |row| row.2)
     .done();
     let mut bytes = Vec::new();
@@ -51,6 +51,6 @@ fn cells_may_be_empty() {
         ]
     );
     let mut uneven = table;
-    uneven.columns[1].values = Values::Whole(vec![None]);
+    uneven.columns[1].values = Values::Integers(vec![None]);
     assert!(uneven.write_parquet(Vec::new()).is_err());
 }

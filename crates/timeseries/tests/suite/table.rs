@@ -7,7 +7,7 @@ fn columns_without_a_name_are_in_no_file() {
     let table = Table::of("", [1.0, f64::NAN])
         .number("a_m", "", |x| *x)
         .text("", "words", |x| x.to_string())
-        .whole("k", "", |x| (*x == 1.0).then_some(u64::MAX))
+        .integers("k", "", |x| (*x == 1.0).then_some(u64::MAX))
         .done();
     let mut csv = Vec::new();
     table.write_csv(&mut csv).unwrap();

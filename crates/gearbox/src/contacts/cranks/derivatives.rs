@@ -42,12 +42,12 @@ impl CrankSet {
     pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         let mut bearings = OfCrank::new();
         for crank in 0..self.count() {
-            let given = self.crank(bodies, crank, &mut bearings);
+            let offset = self.crank(bodies, crank, &mut bearings);
             // Filled in place, because its capacity is for the largest number of discs.
             let mut joints = ArrayVec::<Joint, WHEELS>::new();
             for wheel in 0..bearings.len() {
                 let (law, at) = (self.law(wheel, crank), [wheel, crank]);
-                joints.push(self.joint(&law, bodies, at, given, derivatives));
+                joints.push(self.joint(&law, bodies, at, offset, derivatives));
             }
             for joint in &joints {
                 for (row, load) in &joint.rows {
@@ -92,7 +92,7 @@ impl CrankSet {
         law: &BearingLaw,
         bodies: &[BodyState],
         [wheel, crank]: [usize; 2],
-        given: Deflection,
+        offset: Deflection,
         derivatives: &Derivatives<'_>,
     ) -> Joint {
         let body = self.layout.wheel_bodies().start + wheel;
@@ -121,9 +121,9 @@ impl CrankSet {
             output.angle,
             output.rate,
             input.angle,
-            given[0],
-            given[1],
-            given[2],
+            offset[0],
+            offset[1],
+            offset[2],
         ]);
         let seat = &bodies[self.layout.internal_bodies().start + crank];
         let Motion {

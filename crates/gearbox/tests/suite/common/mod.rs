@@ -11,7 +11,7 @@ pub(crate) fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> Native
     gearbox.kernel = kernel;
     native::run(&gearbox, &mut |_| false)
         .unwrap()
-        .whole()
+        .finished()
         .unwrap()
 }
 

@@ -52,7 +52,7 @@ pub(super) fn column<R>(
 ) -> TableOf<R> {
     table
         .number("", label, |row| of(row).map(CostAt::value))
-        .said(|row| of(row).map(words))
+        .display(|row| of(row).map(words))
         .marked(|row| match of(row) {
             Some(cost) if cost.reached() => Mark::None,
             _ => Mark::Muted,

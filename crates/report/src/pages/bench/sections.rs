@@ -70,7 +70,7 @@ fn leads(rankings: &[Ranking]) -> Table {
     Table::of("The native solver against the fastest peer", rankings)
         .text("", "Window", |ranking| &ranking.window)
         .number("", "Force error", |ranking| ranking.error)
-        .said(|ranking| limit(ranking.error))
+        .display(|ranking| limit(ranking.error))
         .text("", "Fastest native", |ranking| {
             lead(ranking, |of| (&of.native, of.native_cpu_s))
         })
@@ -80,7 +80,7 @@ fn leads(rankings: &[Ranking]) -> Table {
         .number("", "Ratio of CPU times", |ranking| {
             Some(ranking.advantage.as_ref()?.ratio)
         })
-        .said(|ranking| {
+        .display(|ranking| {
             let lead = ranking.advantage.as_ref()?;
             Some(format!("{}{:.1}", figures::at_least(lead), lead.ratio))
         })

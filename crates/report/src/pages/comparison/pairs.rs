@@ -152,7 +152,7 @@ impl Page<'_> {
                 one.metric.map_or("", Metric::label)
             })
             .number("", "D", |(.., one)| one.difference)
-            .said(|(.., one)| relative_or_none(one.difference))
+            .display(|(.., one)| relative_or_none(one.difference))
             .text("", "Against", |(.., one)| against(one))
             .text("", "Verdict", |(.., one)| words::verdict(one, relative))
             .marked(|(.., one)| mark(one))

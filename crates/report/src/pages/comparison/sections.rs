@@ -99,7 +99,7 @@ impl<'a> Page<'a> {
                 let result = |i: usize| cell(i).map(|cell| &cell.result);
                 table = table
                     .number("", name, |(i, _)| Some(result(*i)?.difference?.abs()))
-                    .said(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
+                    .display(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
                     .shaded(|(i, _)| result(*i).map(|result| shade(result.share())))
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
                     .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
@@ -220,21 +220,21 @@ impl<'a> Page<'a> {
             .shaded(|e| wall(e).filter(|_| longest > 0.0).map(|s| 0.6 * s / longest))
             .number("", "CPU time", |e| time(e, e.cost.cpu_s))
             .shown(Shown::Seconds)
-            .whole("", "Right-hand sides", |e| count(e, e.cost.rhs_calls))
-            .said(|e| count(e, e.cost.rhs_calls).map(grouped))
-            .whole("", "Steps", |e| count(e, e.cost.steps))
-            .said(|e| count(e, e.cost.steps).map(grouped));
+            .integers("", "Right-hand sides", |e| count(e, e.cost.rhs_calls))
+            .display(|e| count(e, e.cost.rhs_calls).map(grouped))
+            .integers("", "Steps", |e| count(e, e.cost.steps))
+            .display(|e| count(e, e.cost.steps).map(grouped));
         let rejects = all.iter().any(|e| e.cost.rejected_steps > 0);
         let rejected = |e: &&EngineSummary| count(e, e.cost.rejected_steps).filter(|_| rejects);
         let table = table
-            .whole("", "Rejected", rejected)
-            .said(|e| rejected(e).map(grouped))
+            .integers("", "Rejected", rejected)
+            .display(|e| rejected(e).map(grouped))
             .number("", "Step", |e| time(e, e.cost.step_s))
             .shown(Shown::Seconds)
-            .whole("", "Degrees of freedom", |e| {
+            .integers("", "Degrees of freedom", |e| {
                 count(e, e.cost.degrees_of_freedom as u64)
             })
-            .whole("", "Bodies", |e| count(e, e.cost.bodies as u64))
+            .integers("", "Bodies", |e| count(e, e.cost.bodies as u64))
             .number("", "Joint drift", |e| e.cost.joint_drift_m)
             .shown(Shown::Metres)
             .text("", "Settings and notes", |e| {

@@ -160,7 +160,7 @@ fn engines(comparison: &Comparison) -> Table {
             Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
         })
         .shown(Shown::Decimals(2))
-        .said(|engine| {
+        .display(|engine| {
             let kept = engine.cost.kept.as_ref().map(|_| "kept");
             let word = engine.cost.recorded.as_ref().map(|_| "recorded").or(kept);
             word.map(str::to_owned)
@@ -257,9 +257,9 @@ fn pairs(comparison: &Comparison) -> Table {
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)
-        .whole("", "agree", |(_, counts, _)| Some((*counts)?.agree))
-        .whole("", "differ", |(_, counts, _)| Some((*counts)?.differ))
-        .whole("", "inconcl.", |(_, counts, _)| {
+        .integers("", "agree", |(_, counts, _)| Some((*counts)?.agree))
+        .integers("", "differ", |(_, counts, _)| Some((*counts)?.differ))
+        .integers("", "inconcl.", |(_, counts, _)| {
             Some((*counts)?.inconclusive)
         })
         .text("", "at worst", |(.., (verdict, _))| verdict)

@@ -121,7 +121,7 @@ fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
         };
         table = table
             .number("", &method.name(), |row| place(row).key)
-            .said(|row| place(row).text)
+            .display(|row| place(row).text)
             .shaded(|row| place(row).shade)
             .marked(|row| place(row).mark);
     }

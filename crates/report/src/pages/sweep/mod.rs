@@ -326,7 +326,7 @@ fn runs(plan: &Plan, rows: &[Row<'_>]) -> Vec<Block> {
     for column in &mut shown.columns {
         if let Some(place) = plan.keys().position(|key| key == column.name) {
             let value = |run: usize| Some(plan.values(run)[place].to_string());
-            column.said = (0..first.len()).map(value).collect();
+            column.display = (0..first.len()).map(value).collect();
             continue;
         }
         let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();

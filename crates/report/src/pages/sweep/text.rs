@@ -29,7 +29,7 @@ pub fn list(plan: &Plan) -> Result<String, StudyError> {
     let engines = (0..plan.len()).map(|run| Ok(plan.run(run)?.engine.name().to_owned()));
     let engines = engines.collect::<Result<Vec<String>, StudyError>>()?;
     let mut table = Table::of("", engines.iter().enumerate())
-        .whole("", "run", |(run, _)| Some(run + 1))
+        .integers("", "run", |(run, _)| Some(run + 1))
         .text("", "engine", |(_, engine)| *engine);
     for (place, key) in plan.keys().enumerate() {
         table = table.text("", key, |(run, _)| plan.values(*run)[place].to_string());

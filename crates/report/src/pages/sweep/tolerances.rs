@@ -211,7 +211,7 @@ fn figures(plan: &Plan, sample: &SampleResult) -> [Block; 2] {
     for (k, label) in labels.into_iter().enumerate() {
         spread = spread
             .number("", label, |figure| between(figure)[k].map(|of| of.value))
-            .said(|figure| quantile(between(figure)[k]));
+            .display(|figure| quantile(between(figure)[k]));
     }
     let keys = Table::of("What decides: shares of a figure's variance", &shown)
         .text("", "Figure", |figure| in_full(&figure.def))
