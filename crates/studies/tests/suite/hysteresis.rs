@@ -45,19 +45,12 @@ fn agrees(gearbox: &Gearbox, [width, angle]: [f64; 2]) {
     let cycle = design::cycle(gearbox, rated, &Control::quiet()).unwrap();
     let [falls, rises] = by_statics(gearbox, 1e-4 * rated);
     let [run, off] = [cycle.width_arcmin, cycle.width_uncertainty_arcmin].map(Option::unwrap);
-    println!("no load: {run} +- {off} arcmin, statics {}", falls - rises);
     assert!((run - (falls - rises)).abs() < off);
     assert!(off < 0.02 * cycle.lost_motion_arcmin.unwrap());
-    println!(
-        "lost motion {:?} +- {:?}",
-        cycle.lost_motion_arcmin, cycle.lost_motion_uncertainty_arcmin
-    );
     for share in [0.03, 0.2, 0.5] {
         let run = of_run(&cycle, share * rated);
         let statics = by_statics(gearbox, share * rated);
         let widths = [run, statics].map(|[falls, rises]| falls - rises);
-        println!("{share}: {run:?}, {statics:?}, {widths:?}");
-        println!("{}", widths[0] / widths[1] - 1.0);
         assert!((widths[0] / widths[1] - 1.0).abs() < width);
         for (run, statics) in run.into_iter().zip(statics) {
             assert!((run / statics - 1.0).abs() < angle);
@@ -91,7 +84,6 @@ fn hard_a_disc_that_swings_has_no_width() {
     let mut statics = Statics::new(&gearbox).unwrap();
     let load = gearbox.load_torque(1.0);
     let figures = hysteresis(&mut statics, &poses, load).unwrap();
-    println!("{figures:?}");
     let [loaded, idle] = ["hysteresis_arcmin", "hysteresis_no_load_arcmin"].map(|key| {
         let found = figures.iter().find(|figure| figure.def.key == key);
         found.unwrap().value

@@ -184,7 +184,6 @@ fn hard_a_gear_too_small_is_named_with_its_size() {
     };
     let (limits, times) = weak(1.0, 1.0).unwrap();
     let (pressure, times) = (limits.tightest().unwrap().value.unwrap(), times.unwrap());
-    println!("{pressure} MPa, {times}");
     assert!((1900.0..2100.0).contains(&pressure), "{pressure}");
     assert!(weak(times, 1.0).is_none() && weak(0.9 * times, 1.0).is_some());
     assert!(weak(1.0, 0.25).is_none());

@@ -53,7 +53,6 @@ fn covers(seeds: &[u64]) {
     };
     let found = coverage::run(&input, &Control::quiet()).unwrap();
     let rows = found.rows(false);
-    println!("{rows:?}");
     let all = rows.last().unwrap();
     assert!(all.cases >= 25, "{found:?}");
     // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
