@@ -97,7 +97,7 @@ pub fn wanted_of(planned: &PlannedRun) -> (String, String) {
 }
 
 /// Performs a run, and stores its time series in the folder in the requested form. `scene`: its complete
-/// scene as TOML; `last`: gearbox of the previous run ([`Engine::run_after`]).
+/// scene as TOML; `last`: gearbox of the previous run ([`run_after`](pinwheel_engines::Engine::run_after)).
 ///
 /// # Errors
 /// Stopped; time series cannot be written.

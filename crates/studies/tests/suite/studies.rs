@@ -369,8 +369,10 @@ fn shifted(scenes: [Scene; 2]) {
             }
         }
     }
-    println!("{} of {seen} outside: {outside:#?}", outside.len());
-    assert!(seen > 30 && outside.len() * 50 <= seen, "{outside:#?}");
+    assert!(
+        seen > 30 && outside.len() * 50 <= seen,
+        "of {seen}: {outside:#?}"
+    );
 }
 
 /// At the ring, or the case of an RV gear, lost motion is that at the carrier times q = zs/zk or R/(R - 1), stiffness over q^2, and forces are
