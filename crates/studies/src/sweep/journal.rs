@@ -68,8 +68,8 @@ pub struct Journal {
     owner: Lock,
     /// Hashes of the identities of its own records, which name their files.
     known: Mutex<HashSet<u64>>,
-    /// Files of the records of an earlier output, by the hash of their identity.
-    earlier: HashMap<u64, PathBuf>,
+    /// Files of the records of an earlier output, and of those under other names, by the hash of their identity.
+    elsewhere: HashMap<u64, PathBuf>,
 }
 
 impl Journal {
@@ -88,10 +88,17 @@ impl Journal {
             }
         }
         let earlier = earlier.filter(|place| place.is_dir());
-        let known = records(folder)?.into_keys();
+        let mut elsewhere = earlier.map_or_else(|| Ok(HashMap::new()), records)?;
+        let mut known = HashSet::new();
+        for (identity, path) in records(folder)? {
+            match path == place(folder, identity, "json") {
+                true => drop(known.insert(identity)),
+                false => drop(elsewhere.insert(identity, path)),
+            }
+        }
         Ok(Self {
-            known: Mutex::new(known.collect()),
-            earlier: earlier.map_or_else(|| Ok(HashMap::new()), records)?,
+            known: Mutex::new(known),
+            elsewhere,
             folder: folder.to_owned(),
             owner,
         })
@@ -106,7 +113,7 @@ impl Journal {
         let there = place.exists();
         let earlier = out.join("runs");
         let resumed = begin == Begin::Resume;
-        let journal = Self::open(&place, resumed.then_some(earlier.as_path()), command)?;
+        let mut journal = Self::open(&place, resumed.then_some(earlier.as_path()), command)?;
         match begin {
             Begin::Fresh if there => return Err(StudyError::Begun { place }),
             Begin::Over if there => journal.clear()?,
@@ -127,15 +134,18 @@ impl Journal {
 
     /// Returns the number of runs in its own folder, without those of an earlier output.
     pub fn in_its_folder(&self) -> usize {
-        pool::lock(&self.known).len()
+        let renamed = self.elsewhere.values();
+        let renamed = renamed.filter(|path| path.starts_with(&self.folder));
+        pool::lock(&self.known).len() + renamed.count()
     }
 
     /// Deletes the runs in its own folder.
     ///
     /// # Errors
     /// A file cannot be removed.
-    pub fn clear(&self) -> Result<(), StudyError> {
+    pub fn clear(&mut self) -> Result<(), StudyError> {
         pool::lock(&self.known).clear();
+        self.elsewhere.clear();
         for path in entries(&self.folder)? {
             let name = name_of(&path);
             if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
@@ -149,7 +159,7 @@ impl Journal {
     ///
     /// # Errors
     /// A run cannot be deleted.
-    pub fn remove(self) -> Result<(), StudyError> {
+    pub fn remove(mut self) -> Result<(), StudyError> {
         self.clear()?;
         self.owner.remove();
         Ok(())
@@ -157,8 +167,8 @@ impl Journal {
 
     /// Returns the file of a record by the hash of its identity.
     fn place(&self, identity: u64) -> PathBuf {
-        let earlier = self.earlier.get(&identity);
-        match earlier.filter(|_| !pool::lock(&self.known).contains(&identity)) {
+        let elsewhere = self.elsewhere.get(&identity);
+        match elsewhere.filter(|_| !pool::lock(&self.known).contains(&identity)) {
             Some(path) => path.clone(),
             None => place(&self.folder, identity, "json"),
         }

@@ -179,8 +179,15 @@ fn goes_on_where_it_stopped() {
     assert_eq!(journal.in_its_folder(), 12);
     assert_eq!(csv(&plan, &records), whole);
     drop(journal);
-    // A third time nothing is run: the times, which no two runs share, stay.
-    let again = run(&plan, &Journal::open(&place, None, "a test").unwrap(), 1);
+    // A third time nothing is run, though a record has another name: the times, which no two runs share, stay.
+    std::fs::remove_file(place.join("run-torn.json")).unwrap();
+    let names = std::fs::read_dir(&place).unwrap();
+    let mut names = names.map(|one| one.unwrap().path());
+    let record = names.find(|path| path.extension().is_some_and(|end| end == "json"));
+    std::fs::rename(record.unwrap(), place.join("run-0001.json")).unwrap();
+    let again = Journal::open(&place, None, "a test").unwrap();
+    assert_eq!(again.in_its_folder(), 12);
+    let again = run(&plan, &again, 1);
     assert!(
         again
             .iter()
