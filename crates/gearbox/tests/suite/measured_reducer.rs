@@ -247,49 +247,6 @@ fn published_measured_orders_by_errors_of_parts() {
     }
 }
 
-/// Two discs on ring pins whose seats have the compliance 1 + a cos 2 theta, everything else rigid: order 78 is in proportion to the torque, as large
-/// in both directions, and turns between them by 1.1 rad, within what was measured. A pin at the angle phi from the eccentric has
-/// the lever sin phi/S, and only those that the load presses carry.
-#[test]
-fn published_measured_order_78_by_a_ring_that_gives_way() {
-    let varies = 0.1;
-    let twist = |eccentric: f64, way: f64| {
-        let mut stiffness = 0.0;
-        for pin in 0..80_i32 {
-            // Of the first disc, then of the second.
-            let angle = TAU * f64::from(pin % 40) / 40.0;
-            let (sin, cos) = (angle - eccentric - PI * f64::from(pin / 40)).sin_cos();
-            if way * sin > 0.0 {
-                let lever = sin * sin / (1.0 + 0.717 * 0.717 - 2.0 * 0.717 * cos);
-                stiffness += lever / (1.0 + varies * (2.0 * angle).cos());
-            }
-        }
-        way / stiffness
-    };
-    let [[forward, one], [backward, other]] = [1.0, -1.0].map(|way| {
-        let (mut sum, mut order) = (0.0, [0.0; 2]);
-        for k in 0..624_i32 {
-            let eccentric = TAU * f64::from(k) / 624.0;
-            let (sin, cos) = (2.0 * eccentric).sin_cos();
-            let twist = twist(eccentric, way);
-            sum += twist;
-            order = [order[0] + twist * cos, order[1] + twist * sin];
-        }
-        let size = 2.0 * order[0].hypot(order[1]) / f64::abs(sum);
-        [size / varies, order[1].atan2(order[0])]
-    });
-    println!(
-        "{forward:.4}, {backward:.4} of the ring's twist, {} rad apart",
-        one - other
-    );
-    assert!((forward - 0.476).abs() < 0.005 && (forward / backward - 1.0).abs() < 1e-6);
-    assert!((0.0..1.2).contains(&(one - other).abs()));
-    let [theirs, all] = ["order_78_arcmin", "half_arcmin"].map(|key| numbers(&measured(), key));
-    let of_ring = theirs[1] / all[18] / 0.2 / forward;
-    println!("a ring with a fifth of the twist varies by {of_ring:.2}");
-    assert!((0.25..0.35).contains(&of_ring));
-}
-
 /// Returns range (N m) and kurtosis of the driver's torque from 0.3 s on.
 fn driver_torque(preset: &str) -> [f64; 2] {
     let gearbox = load(preset, &["solver.integrator=\"auto\""]);

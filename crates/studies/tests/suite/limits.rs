@@ -172,8 +172,8 @@ pub(crate) fn small_rv() -> Catalogue {
     }
 }
 
-/// A gear too small for its torque, and its remedy: at the size that is named all of `design` bears the load, at 0.9 of it not. A torque of
-/// a quarter needs no word. Measured at the loosest end: 2015 MPa, of 1500.
+/// A gear too small for its torque, and the size that bears it. At that size all limits of `design` hold, at 0.9 of it one does not; with a
+/// quarter of the torque there is no message. Measured with the largest clearances: 2015 MPa, of 1500.
 #[test]
 fn hard_a_gear_too_small_is_named_with_its_size() {
     let weak = |times: f64, torque: f64| {
