@@ -112,7 +112,9 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         (&mut own.width_arcmin, width, faster.width_arcmin),
     ] {
         let change = value.zip(faster).map(|(own, faster)| own - faster);
-        *value = value.zip(change).map(|(own, change)| own + change);
+        *value = value
+            .zip(change)
+            .map(|(own, change)| (own + change).max(0.0));
         *off = off
             .zip(change)
             .map(|(off, change)| off + SAFETY * change.abs());
