@@ -35,6 +35,20 @@ impl LeftOut {
             reason,
         }
     }
+
+    /// Returns the case with the ending of its run as the reason.
+    ///
+    /// # Errors
+    /// An ending that no case of the set may have.
+    fn ended(case: &SceneCase, plan: &Planned<'_>, ending: Ending) -> Result<Self, StudyError> {
+        let reason = match ending {
+            Ending::Unsupported { reason } => reason,
+            // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
+            Ending::Diverged { .. } if plan.job.solver.is_some() => ending.to_string(),
+            _ => return Err(broken(case, plan.name, &ending)),
+        };
+        Ok(Self::new(case, plan, reason))
+    }
 }
 
 /// Result of recording.
@@ -71,20 +85,31 @@ pub fn record(
             let reason = plan.refused.clone().unwrap_or_default();
             LeftOut::new(case, &plan, reason)
         }));
-        if planned.is_empty() {
+        jobs.extend(planned.iter().map(|plan| plan.job.clone()));
+        plans.push((case, planned));
+    }
+    // First, and alone: a solver that does not work ends the recording before the long converged runs.
+    let mut results = run_all(&jobs, options.threads, control)?.into_iter();
+    let (mut jobs, mut finished) = (Vec::new(), Vec::new());
+    for (case, planned) in plans {
+        let mut runs = Vec::new();
+        for plan in planned {
+            match next(&mut results) {
+                Ok(run) => runs.push((plan, run)),
+                Err(ending) => left_out.push(LeftOut::ended(case, &plan, ending)?),
+            }
+        }
+        if runs.is_empty() {
             continue;
         }
         jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
-        for plan in &planned {
-            jobs.push(plan.job.clone());
-            jobs.extend(roundings(&plan.job));
-        }
-        plans.push((case, planned));
+        jobs.extend(runs.iter().flat_map(|(plan, _)| roundings(&plan.job)));
+        finished.push((case, runs));
     }
     let mut results = run_all(&jobs, options.threads, control)?.into_iter();
     let mut recorded = Vec::new();
-    for (case, planned) in plans {
-        let scene = scene(case, &planned, &mut results, &mut left_out)?;
+    for (case, runs) in finished {
+        let scene = scene(case, runs, &mut results, &mut left_out)?;
         recorded.extend((!scene.cases.is_empty()).then_some(scene));
     }
     let only = match options.only.as_slice() {
@@ -171,37 +196,32 @@ fn roundings(plain: &Job) -> Vec<Job> {
     jobs
 }
 
+fn next(results: &mut impl Iterator<Item = RunResult>) -> RunResult {
+    let result = results.next();
+    result.unwrap_or_else(|| Err(Ending::failed("the run is missing")))
+}
+
+fn broken(case: &SceneCase, choice: &str, ending: &Ending) -> StudyError {
+    StudyError::Broken(format!("{}, {choice}: {ending}", case.name))
+}
+
 fn scene(
     case: &'static SceneCase,
-    planned: &[Planned<'_>],
+    runs: Vec<(Planned<'_>, Finished)>,
     results: &mut impl Iterator<Item = RunResult>,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<SceneSnapshot, StudyError> {
-    let mut next = || {
-        let result = results.next();
-        result.unwrap_or_else(|| Err(Ending::failed("the run is missing")))
-    };
-    let broken =
-        |choice: &str, ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
-    let mut truth = || next().map_err(|ending| broken("converged", ending));
+    let mut truth = || next(results).map_err(|ending| broken(case, "converged", &ending));
     let (fine, coarse) = (truth()?, truth()?);
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
-    for plan in planned {
-        let plain = next();
-        let others: Vec<RunResult> = roundings(&plan.job).iter().map(|_| next()).collect();
-        let others: Result<Vec<_>, _> = others.into_iter().collect();
-        let (plain, varied) = match plain.and_then(|plain| Ok((plain, others?))) {
-            Ok(runs) => runs,
+    for (plan, plain) in runs {
+        let varied: Vec<RunResult> = roundings(&plan.job).iter().map(|_| next(results)).collect();
+        let varied = match varied.into_iter().collect::<Result<Vec<_>, _>>() {
+            Ok(varied) => varied,
             Err(ending) => {
-                let reason = match ending {
-                    Ending::Unsupported { reason } => reason,
-                    // A solver of a user may run away on a hard scene; methods of the set are chosen so that they do not.
-                    Ending::Diverged { .. } if plan.job.solver.is_some() => ending.to_string(),
-                    _ => return Err(broken(plan.name, ending)),
-                };
-                left_out.push(LeftOut::new(case, plan, reason));
+                left_out.push(LeftOut::ended(case, &plan, ending)?);
                 continue;
             }
         };
@@ -219,7 +239,7 @@ fn scene(
         };
         match snapshot.sound(&converged) {
             Ok(()) => cases.push(snapshot),
-            Err(reason) => left_out.push(LeftOut::new(case, plan, reason)),
+            Err(reason) => left_out.push(LeftOut::new(case, &plan, reason)),
         }
     }
     Ok(SceneSnapshot {

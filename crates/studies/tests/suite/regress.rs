@@ -278,3 +278,32 @@ fn hunt(located: &[Fault]) {
     }
     assert!(missed.is_empty(), "not found: {missed:?}");
 }
+
+/// A solver that cannot run ends a recording before its long converged runs.
+#[test]
+fn bad_input_a_solver_that_fails_is_run_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let manifest = folder.path().join("solver.toml");
+    let text = "protocol = 1\nname = \"broken\"\nversion = \"1\"\ntrack = \"shared-law\"\nsummary = \"none\"\ncommand = [\"false\"]\n";
+    std::fs::write(&manifest, text).unwrap();
+    let options = Options {
+        only: vec!["paper".to_owned(), "steel".to_owned()],
+        solvers: vec![pinwheel_engines::external::admit(&manifest).unwrap()],
+        threads: 1,
+        ..Options::default()
+    };
+    let labels = std::sync::Mutex::new(Vec::new());
+    let progress =
+        |at: pinwheel_studies::Progress<'_>| labels.lock().unwrap().push(at.piece.to_owned());
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    let control = Control::new(&stop, &progress);
+    let ended = baseline::record(here(), None, "a test", &options, &control);
+    assert!(ended.unwrap_err().to_string().contains("broken"));
+    assert!(
+        labels
+            .into_inner()
+            .unwrap()
+            .iter()
+            .all(|label| !label.contains("converged"))
+    );
+}
