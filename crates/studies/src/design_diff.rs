@@ -21,7 +21,7 @@ use pinwheel_scene::{CheckedScene, Derived, Line, Scene, Source};
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::comparison::{Effort, context, refine};
 use crate::control::of_scene;
@@ -238,24 +238,25 @@ fn changed(
     scenes: [&CheckedScene; 2],
     course: Option<&Course<'_>>,
 ) -> Result<Vec<KeyDiff>, StudyError> {
-    fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
-        match value {
-            Value::Object(keys) => {
-                for (key, value) in keys {
-                    let dot = if at.is_empty() { "" } else { "." };
-                    flat(value, format!("{at}{dot}{key}"), put);
-                }
-            }
-            value => put(at, value),
+    fn flat(value: Value, at: &str, keys: &mut BTreeMap<String, Value>) {
+        let Value::Object(inner) = value else {
+            keys.insert(at.to_owned(), value);
+            return;
+        };
+        let dot = if at.is_empty() { "" } else { "." };
+        for (key, value) in inner {
+            flat(value, &format!("{at}{dot}{key}"), keys);
         }
     }
     let mut keys: BTreeMap<String, [Option<Value>; 2]> = BTreeMap::new();
     for (k, scene) in scenes.into_iter().enumerate() {
         let value = serde_json::to_value(scene)
             .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
-        flat(value, String::new(), &mut |key, value| {
+        let mut own = BTreeMap::new();
+        flat(value, "", &mut own);
+        for (key, value) in own {
             keys.entry(key).or_default()[k] = Some(value);
-        });
+        }
     }
     let by_formula = |scene: &&CheckedScene, key: &str| {
         let mut origins = scene.origins().into_iter();
@@ -285,18 +286,12 @@ fn stage(
     }
     let mut scene = serde_json::to_value(of).ok()?;
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
-    let mut place = &mut scene;
-    for part in table.split('.').filter(|part| !part.is_empty()) {
-        place = place
-            .as_object_mut()?
-            .entry(part)
-            .or_insert_with(|| Value::Object(Map::new()));
-    }
-    let place = place.as_object_mut()?;
+    let tables = table.split('.').filter(|part| !part.is_empty());
+    let table = tables.fold(&mut scene, |place, part| &mut place[part]);
     match value {
-        Some(value) => place.insert(name.to_owned(), value.clone()),
-        None => place.remove(name),
-    };
+        Some(value) => table[name] = value.clone(),
+        None => drop(table.as_object_mut()?.remove(name)),
+    }
     let scene: Scene = serde_json::from_value(scene).ok()?;
     let scene = of.changed(|own| *own = scene).ok()?;
     between(course, &Gearbox::new(&scene).ok()?)?.first()
