@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
     Comparison, Context, Evidence, Participant, Rules, Scales, WindowKind, compare,
 };
@@ -20,6 +21,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Derived, Line, Scene, Source};
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
+use pinwheel_timeseries::norms::Statistics;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -337,28 +339,21 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Diff> {
     let only_b = only_b.filter(|q| alone[0].quantities.iter().all(|other| other.name != q.name));
     for quantity in alone[0].quantities.iter().chain(only_b) {
         let engines = [0, 1].map(|k| alone[k].engines.first());
-        let statistics = engines.map(|engine| {
-            let figures = engine?.figures.iter().find(|f| f.window == window)?;
-            figures.quantities.get(&quantity.name)
-        });
-        let uncertainty = engines.map(|engine| {
-            let mut all = engine?.uncertainty.iter();
-            all.find(|u| u.window == window && u.quantity == quantity.name)
-        });
+        let statistics =
+            engines.map(|engine| engine?.figures_in(window)?.quantities.get(&quantity.name));
         if statistics.iter().all(Option::is_none) {
             continue;
         }
-        let mut row = |word: &str, values: [Option<f64>; 2], off: [Option<f64>; 2]| {
+        let mut row = |word: &str, norm: Norm, of: fn(&Statistics) -> f64| {
             let key = format!("{} {word}", quantity.name);
             let label = format!("{}, {word}", quantity.label);
             let def = def(key, label, quantity.unit.clone());
-            let [a, b] = [0, 1].map(|k| def.of(values[k], off[k]));
+            let off = engines.map(|engine| engine?.u(&quantity.name, window, norm));
+            let [a, b] = [0, 1].map(|k| def.of(statistics[k].map(of), off[k]));
             rows.push(diff(&a, &b));
         };
-        let mean = statistics.map(|s| Some(s?.mean));
-        let peak = statistics.map(|s| Some(s?.peak));
-        row("mean", mean, uncertainty.map(|u| u?.mean.u()));
-        row("peak", peak, uncertainty.map(|u| u?.peak.u()));
+        row("mean", Norm::Mean, |s| s.mean);
+        row("peak", Norm::Peak, |s| s.peak);
     }
     rows
 }
