@@ -558,19 +558,11 @@ impl Catalogue {
             suggested.extend(OF_CRANKS);
             return Ok(());
         }
-        let given = [
-            ("gear.internal_sleeves", self.output_pins.is_some()),
-            (
-                "gear.internal_sleeve_radius_m",
-                self.output_pin_diameter_m.is_some(),
-            ),
-            (
-                "gear.internal_circle_radius_m",
-                self.output_circle_diameter_m.is_some(),
-            ),
-        ];
-        let open = given.into_iter().filter(|(_, given)| !given);
-        suggested.extend(open.map(|(key, _)| key));
+        let mut open = |is_open: bool, key| suggested.extend(is_open.then_some(key));
+        let [pin, circle] = [self.output_pin_diameter_m, self.output_circle_diameter_m];
+        open(self.output_pins.is_none(), "gear.internal_sleeves");
+        open(pin.is_none(), "gear.internal_sleeve_radius_m");
+        open(circle.is_none(), "gear.internal_circle_radius_m");
         Ok(())
     }
 

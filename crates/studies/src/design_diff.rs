@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
     Comparison, Context, Evidence, Participant, Rules, Scales, WindowKind, compare,
 };
@@ -20,8 +21,9 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Derived, Line, Scene, Source};
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
+use pinwheel_timeseries::norms::Statistics;
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::comparison::{Effort, context, refine};
 use crate::control::of_scene;
@@ -238,24 +240,25 @@ fn changed(
     scenes: [&CheckedScene; 2],
     course: Option<&Course<'_>>,
 ) -> Result<Vec<KeyDiff>, StudyError> {
-    fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
-        match value {
-            Value::Object(keys) => {
-                for (key, value) in keys {
-                    let dot = if at.is_empty() { "" } else { "." };
-                    flat(value, format!("{at}{dot}{key}"), put);
-                }
-            }
-            value => put(at, value),
+    fn flat(value: Value, at: &str, keys: &mut BTreeMap<String, Value>) {
+        let Value::Object(inner) = value else {
+            keys.insert(at.to_owned(), value);
+            return;
+        };
+        let dot = if at.is_empty() { "" } else { "." };
+        for (key, value) in inner {
+            flat(value, &format!("{at}{dot}{key}"), keys);
         }
     }
     let mut keys: BTreeMap<String, [Option<Value>; 2]> = BTreeMap::new();
     for (k, scene) in scenes.into_iter().enumerate() {
         let value = serde_json::to_value(scene)
             .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
-        flat(value, String::new(), &mut |key, value| {
+        let mut own = BTreeMap::new();
+        flat(value, "", &mut own);
+        for (key, value) in own {
             keys.entry(key).or_default()[k] = Some(value);
-        });
+        }
     }
     let by_formula = |scene: &&CheckedScene, key: &str| {
         let mut origins = scene.origins().into_iter();
@@ -285,18 +288,12 @@ fn stage(
     }
     let mut scene = serde_json::to_value(of).ok()?;
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
-    let mut place = &mut scene;
-    for part in table.split('.').filter(|part| !part.is_empty()) {
-        place = place
-            .as_object_mut()?
-            .entry(part)
-            .or_insert_with(|| Value::Object(Map::new()));
-    }
-    let place = place.as_object_mut()?;
+    let tables = table.split('.').filter(|part| !part.is_empty());
+    let table = tables.fold(&mut scene, |place, part| &mut place[part]);
     match value {
-        Some(value) => place.insert(name.to_owned(), value.clone()),
-        None => place.remove(name),
-    };
+        Some(value) => table[name] = value.clone(),
+        None => drop(table.as_object_mut()?.remove(name)),
+    }
     let scene: Scene = serde_json::from_value(scene).ok()?;
     let scene = of.changed(|own| *own = scene).ok()?;
     between(course, &Gearbox::new(&scene).ok()?)?.first()
@@ -342,28 +339,21 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Diff> {
     let only_b = only_b.filter(|q| alone[0].quantities.iter().all(|other| other.name != q.name));
     for quantity in alone[0].quantities.iter().chain(only_b) {
         let engines = [0, 1].map(|k| alone[k].engines.first());
-        let statistics = engines.map(|engine| {
-            let figures = engine?.figures.iter().find(|f| f.window == window)?;
-            figures.quantities.get(&quantity.name)
-        });
-        let uncertainty = engines.map(|engine| {
-            let mut all = engine?.uncertainty.iter();
-            all.find(|u| u.window == window && u.quantity == quantity.name)
-        });
+        let statistics =
+            engines.map(|engine| engine?.figures_in(window)?.quantities.get(&quantity.name));
         if statistics.iter().all(Option::is_none) {
             continue;
         }
-        let mut row = |word: &str, values: [Option<f64>; 2], off: [Option<f64>; 2]| {
+        let mut row = |word: &str, norm: Norm, of: fn(&Statistics) -> f64| {
             let key = format!("{} {word}", quantity.name);
             let label = format!("{}, {word}", quantity.label);
             let def = def(key, label, quantity.unit.clone());
-            let [a, b] = [0, 1].map(|k| def.of(values[k], off[k]));
+            let off = engines.map(|engine| engine?.u(&quantity.name, window, norm));
+            let [a, b] = [0, 1].map(|k| def.of(statistics[k].map(of), off[k]));
             rows.push(diff(&a, &b));
         };
-        let mean = statistics.map(|s| Some(s?.mean));
-        let peak = statistics.map(|s| Some(s?.peak));
-        row("mean", mean, uncertainty.map(|u| u?.mean.u()));
-        row("peak", peak, uncertainty.map(|u| u?.peak.u()));
+        row("mean", Norm::Mean, |s| s.mean);
+        row("peak", Norm::Peak, |s| s.peak);
     }
     rows
 }

@@ -40,26 +40,6 @@ pub(crate) struct Balances {
     pub(crate) unloaded: Vec<Pose>,
 }
 
-/// Statistics over the poses.
-pub(crate) struct Summed {
-    on_cranks: bool,
-    pub(crate) lost: Spread,
-    pub(crate) stiffness: Spread,
-    /// Largest force of a pair in a pose, N, of ring pins and of output pins or cranks.
-    force: [Spread; 2],
-    /// Number of touching pairs of a disc, mean over the poses.
-    touching: [f64; 2],
-    /// Largest pressure, Pa, and largest product of pressure and sliding speed, W/m^2.
-    pressure: [f64; 2],
-    sliding: f64,
-    /// Force of a pose on its most loaded bearing, N.
-    bearing_force: Spread,
-    /// Peak to peak of the transmission error, rated and unloaded, arcmin.
-    error: [f64; 2],
-    /// Change of the mean number of touching pins by one pin at one disc in one pose.
-    quantum: f64,
-}
-
 /// Returns the relative speed of the rings of an eccentric bearing, rad/s.
 fn bearing_rate_rad_s(scene: &Scene) -> f64 {
     scene.eccentric_speed_rad_s().abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
@@ -138,21 +118,30 @@ pub(crate) fn withhold_lost_motion(figures: &mut [Figure], preloaded: Option<&St
 }
 
 impl Balances {
-    /// Evaluates the poses whose number has the remainder `of` after division by `every`.
-    pub(crate) fn summed(&self, every: usize, of: usize) -> Summed {
-        fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
-            list.iter().skip(of).step_by(every).collect()
+    /// Returns the figures of the poses whose number has the remainder `of` after division by `every`.
+    fn of_part(&self, every: usize, of: usize) -> Vec<Figure> {
+        fn some<T>(list: &[T], every: usize, of: usize) -> impl Iterator<Item = &T> + Clone {
+            list.iter().skip(of).step_by(every)
         }
-        let lost = some(&self.lost, every, of).into_iter();
-        let stiffness = some(&self.stiffness, every, of).into_iter();
+        let lost = Spread::of(some(&self.lost, every, of).copied());
+        let stiffness = Spread::of(some(&self.stiffness, every, of).flatten().copied());
         let loaded = some(&self.loaded, every, of);
-        let over = |stage: Stage, of: fn(&Largest) -> f64| {
-            Spread::of(loaded.iter().map(|pose| of(&pose.largest[stage as usize])))
+        let poses = |of: &dyn Fn(&Pose) -> f64| Spread::of(loaded.clone().map(of));
+        let each = |stage: Stage, of: fn(&Largest) -> f64| {
+            poses(&|pose| of(&pose.largest[stage as usize]))
         };
-        let sliding = |stage| over(stage, |largest| largest.pressure_sliding_w_m2).max;
-        let error = [&self.loaded, &self.unloaded].map(|poses| {
-            let errors = some(poses, every, of).into_iter();
-            let mut errors: Vec<f64> = errors.map(|pose| ARCMIN * pose.error_rad).collect();
+        // Change of the mean number of touching pins by one pin at one disc in one pose.
+        let quantum = loaded.clone().next().map_or(1.0, |pose| {
+            1.0 / (loaded.clone().count() * pose.bearings.len()) as f64
+        });
+        let touching = |def: &FigureDef, stage| def.of(poses(&|p| p.touching(stage)).mean, quantum);
+        let pressure = |def: &FigureDef, stage| {
+            balanced(def, 1e-6 * each(stage, |largest| largest.pressure_pa).max)
+        };
+        let sliding = Stage::BOTH.map(|stage| each(stage, |of| of.pressure_sliding_w_m2).max);
+        let [rated, unloaded] = [&self.loaded, &self.unloaded].map(|all| {
+            let errors = some(all, every, of).map(|pose| ARCMIN * pose.error_rad);
+            let mut errors: Vec<f64> = errors.collect();
             if let Some(meshes) = self
                 .meshes
                 .filter(|meshes| resolves(errors.len(), *meshes, ORDERS))
@@ -162,21 +151,36 @@ impl Balances {
             let spread = Spread::of(errors);
             spread.max - spread.min
         });
-        Summed {
-            on_cranks: self.on_cranks,
-            lost: Spread::of(lost.copied()),
-            stiffness: Spread::of(stiffness.flatten().copied()),
-            force: Stage::BOTH.map(|stage| over(stage, |largest| largest.force_n)),
-            touching: Stage::BOTH
-                .map(|stage| Spread::of(loaded.iter().map(|pose| pose.touching(stage))).mean),
-            pressure: Stage::BOTH.map(|stage| over(stage, |largest| largest.pressure_pa).max),
-            sliding: Stage::BOTH.map(sliding).into_iter().fold(0.0, f64::max),
-            quantum: loaded.first().map_or(1.0, |pose| {
-                1.0 / (loaded.len() * pose.bearings.len()) as f64
-            }),
-            bearing_force: Spread::of(loaded.iter().map(|pose| pose.bearing_n)),
-            error,
+        let largest = |def: &FigureDef, spread: Spread| over(def, spread.max, &spread);
+        let [external, internal] = Stage::BOTH.map(|stage| each(stage, |of| of.force_n));
+        let internal_force = match self.on_cranks {
+            true => &defs::CRANK_FORCE,
+            false => &defs::INTERNAL_FORCE,
+        };
+        let mut figures = vec![
+            largest(&defs::LOST_MOTION, lost),
+            over(&defs::STIFFNESS, stiffness.mean, &stiffness),
+            balanced(&defs::ERROR_RATED, rated),
+            balanced(&defs::ERROR_NO_LOAD, unloaded),
+            largest(&defs::EXTERNAL_FORCE, external),
+            largest(internal_force, internal),
+            touching(&defs::EXTERNAL_TOUCHING, Stage::External),
+            touching(&defs::INTERNAL_TOUCHING, Stage::Internal),
+            pressure(&defs::EXTERNAL_PRESSURE, Stage::External),
+            pressure(&defs::INTERNAL_PRESSURE, Stage::Internal),
+            balanced(&defs::PRESSURE_SLIDING, 1e-6 * sliding[0].max(sliding[1])),
+            largest(&defs::BEARING_FORCE, poses(&|pose| pose.bearing_n)),
+        ];
+        // A bearing on a crank has no pins.
+        if self.on_cranks {
+            let of_pins = [
+                &defs::INTERNAL_TOUCHING,
+                &defs::INTERNAL_PRESSURE,
+                &defs::BEARING_FORCE,
+            ];
+            figures.retain(|figure| !of_pins.iter().any(|def| figure.is(def)));
         }
+        figures
     }
 
     /// Returns the forces of each disc's bearing over some of the poses, N. With cranks all bearings count: in the next
@@ -220,7 +224,7 @@ impl Balances {
 
     /// Returns the figures of statics; without lost motion if parts overlap.
     pub(crate) fn figures(&self) -> Vec<Figure> {
-        let mut figures = parted(self.parts, |every, of| self.summed(every, of).figures());
+        let mut figures = parted(self.parts, |every, of| self.of_part(every, of));
         withhold_lost_motion(&mut figures, self.preloaded().as_ref());
         self.withhold_forces(&mut figures);
         figures
@@ -272,43 +276,4 @@ pub(crate) fn parted(parts: usize, of: impl Fn(usize, usize) -> Vec<Figure>) -> 
         }
     }
     figures
-}
-
-impl Summed {
-    pub(crate) fn figures(&self) -> Vec<Figure> {
-        let [external, internal] = &self.force;
-        let [loaded, unloaded] = self.error;
-        let pressed = |k: usize| 1e-6 * self.pressure[k];
-        let largest = |def: &FigureDef, spread: &Spread| over(def, spread.max, spread);
-        let mut figures = vec![
-            largest(&defs::LOST_MOTION, &self.lost),
-            over(&defs::STIFFNESS, self.stiffness.mean, &self.stiffness),
-            balanced(&defs::ERROR_RATED, loaded),
-            balanced(&defs::ERROR_NO_LOAD, unloaded),
-            largest(&defs::EXTERNAL_FORCE, external),
-        ];
-        let touching = defs::EXTERNAL_TOUCHING.of(self.touching[0], self.quantum);
-        let sliding = balanced(&defs::PRESSURE_SLIDING, 1e-6 * self.sliding);
-        // A bearing has no pins.
-        if self.on_cranks {
-            let pressure = balanced(&defs::EXTERNAL_PRESSURE, pressed(0));
-            figures.extend([
-                largest(&defs::CRANK_FORCE, internal),
-                touching,
-                pressure,
-                sliding,
-            ]);
-            return figures;
-        }
-        figures.extend([
-            largest(&defs::INTERNAL_FORCE, internal),
-            touching,
-            defs::INTERNAL_TOUCHING.of(self.touching[1], self.quantum),
-            balanced(&defs::EXTERNAL_PRESSURE, pressed(0)),
-            balanced(&defs::INTERNAL_PRESSURE, pressed(1)),
-            sliding,
-            largest(&defs::BEARING_FORCE, &self.bearing_force),
-        ]);
-        figures
-    }
 }

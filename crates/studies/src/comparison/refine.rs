@@ -267,14 +267,6 @@ impl<'a> Refiner<'a> {
             .sum()
     }
 
-    /// Returns the least refinement factor.
-    fn least(&self) -> f64 {
-        match self.by.knob {
-            AccuracySetting::Step => 2.0,
-            AccuracySetting::Tolerance => 10.0,
-        }
-    }
-
     /// Returns the cost ratio of a run with a setting `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.by.knob {
@@ -286,10 +278,9 @@ impl<'a> Refiner<'a> {
     /// Returns the factor of the next refinement, in halves or decades up to `needed`, limited by the time `left` for a run
     /// that took `cpu_s`; and the time it takes, which may still exceed `left`.
     fn next(&self, needed: f64, cpu_s: f64, left: f64) -> (f64, f64) {
-        let least = self.least();
-        let most = match self.by.knob {
-            AccuracySetting::Step => MOST,
-            AccuracySetting::Tolerance => 100.0,
+        let (least, most) = match self.by.knob {
+            AccuracySetting::Step => (2.0_f64, MOST),
+            AccuracySetting::Tolerance => (10.0, 100.0),
         };
         let steps = (needed.log10() / least.log10()).ceil();
         let mut factor = least.powf(steps).clamp(least, most);

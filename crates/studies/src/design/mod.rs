@@ -253,7 +253,6 @@ fn figures_by(
             step(stage, &format!("{what}, pose {} of {all}", pose + 1))
         },
     )?;
-    let summed = balances.summed(1, 0);
     let time_series = [
         (&balances.loaded, rated),
         (&balances.unloaded, NO_LOAD * rated),
@@ -306,9 +305,9 @@ fn figures_by(
         limits: Limits::default(),
         dimensions: derived(scene),
         torsion: Torsion {
-            lost_motion_arcmin: is_loose.then_some(summed.lost),
+            lost_motion_arcmin: is_loose.then(|| Spread::of(balances.lost.iter().copied())),
             lost_motion_at_0_arcmin: is_loose.then(|| balances.lost[0]),
-            stiffness_n_m_per_arcmin: summed.stiffness,
+            stiffness_n_m_per_arcmin: Spread::of(balances.stiffness.iter().flatten().copied()),
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },

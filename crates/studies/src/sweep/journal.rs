@@ -13,7 +13,7 @@
 //! place, synced and then renamed, because a record states that they exist. A record also contains their size and hash, and
 //! its own: damaged or changed files are ignored.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -66,10 +66,8 @@ pub struct Journal {
     folder: PathBuf,
     /// Lock that excludes other writing processes.
     owner: Lock,
-    /// Hashes of the identities of its own records, which name their files.
-    known: Mutex<HashSet<u64>>,
-    /// Files of the records of an earlier output, and of those under other names, by the hash of their identity.
-    elsewhere: HashMap<u64, PathBuf>,
+    /// Files of known records, its own and those of an earlier output, by the hash of their identity.
+    known: Mutex<HashMap<u64, PathBuf>>,
 }
 
 impl Journal {
@@ -88,17 +86,10 @@ impl Journal {
             }
         }
         let earlier = earlier.filter(|place| place.is_dir());
-        let mut elsewhere = earlier.map_or_else(|| Ok(HashMap::new()), records)?;
-        let mut known = HashSet::new();
-        for (identity, path) in records(folder)? {
-            match path == place(folder, identity, "json") {
-                true => drop(known.insert(identity)),
-                false => drop(elsewhere.insert(identity, path)),
-            }
-        }
+        let mut known = earlier.map_or_else(|| Ok(HashMap::new()), records)?;
+        known.extend(records(folder)?);
         Ok(Self {
             known: Mutex::new(known),
-            elsewhere,
             folder: folder.to_owned(),
             owner,
         })
@@ -134,9 +125,9 @@ impl Journal {
 
     /// Returns the number of runs in its own folder, without those of an earlier output.
     pub fn in_its_folder(&self) -> usize {
-        let renamed = self.elsewhere.values();
-        let renamed = renamed.filter(|path| path.starts_with(&self.folder));
-        pool::lock(&self.known).len() + renamed.count()
+        let known = pool::lock(&self.known);
+        let own = known.values().filter(|path| path.starts_with(&self.folder));
+        own.count()
     }
 
     /// Deletes the runs in its own folder.
@@ -145,7 +136,6 @@ impl Journal {
     /// A file cannot be removed.
     pub fn clear(&mut self) -> Result<(), StudyError> {
         pool::lock(&self.known).clear();
-        self.elsewhere.clear();
         for path in entries(&self.folder)? {
             let name = name_of(&path);
             if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
@@ -167,11 +157,8 @@ impl Journal {
 
     /// Returns the file of a record by the hash of its identity.
     fn place(&self, identity: u64) -> PathBuf {
-        let elsewhere = self.elsewhere.get(&identity);
-        match elsewhere.filter(|_| !pool::lock(&self.known).contains(&identity)) {
-            Some(path) => path.clone(),
-            None => place(&self.folder, identity, "json"),
-        }
+        let known = pool::lock(&self.known).get(&identity).cloned();
+        known.unwrap_or_else(|| place(&self.folder, identity, "json"))
     }
 
     /// Returns the record of an identity, if its time series are stored in the requested form and unchanged.
@@ -197,7 +184,7 @@ impl Journal {
         let _ = fs::remove_file(&path);
         fs::write(&path, json(record)).map_err(at(&path))?;
         if !record.ending.may_pass() {
-            pool::lock(&self.known).insert(identity);
+            pool::lock(&self.known).insert(identity, path);
         }
         Ok(())
     }
