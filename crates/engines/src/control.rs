@@ -82,6 +82,7 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
     at: Progress<'a>,
     duration_s: f64,
+    pub(crate) evaluations: u64,
 }
 
 impl<'a> Control<'a> {
@@ -92,6 +93,7 @@ impl<'a> Control<'a> {
             progress,
             at: Progress::new(0, 1, ""),
             duration_s: 0.0,
+            evaluations: u64::MAX,
         }
     }
 
@@ -122,6 +124,15 @@ impl<'a> Control<'a> {
         Self {
             cancel,
             progress,
+            ..self
+        }
+    }
+
+    /// Sets the number of evaluations after which a native run ends as diverged, unless it verifies itself.
+    #[must_use]
+    pub fn bounded(self, evaluations: u64) -> Self {
+        Self {
+            evaluations,
             ..self
         }
     }

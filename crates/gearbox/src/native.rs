@@ -82,7 +82,23 @@ pub fn run(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_sampling(gearbox, false, watch)
+    run_sampling(gearbox, Limits::NONE, watch)
+}
+
+/// Runs the scene like [`run`], but ends it as diverged at more than `evaluations`, checked every 1000 steps.
+///
+/// # Errors
+/// See [`NativeError`].
+pub fn run_bounded(
+    gearbox: &Gearbox,
+    evaluations: u64,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    let asked = Limits {
+        evaluations,
+        ..Limits::NONE
+    };
+    run_sampling(gearbox, asked, watch)
 }
 
 /// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Fixed-step methods
@@ -94,12 +110,16 @@ pub fn run_at_samples(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_sampling(gearbox, true, watch)
+    let asked = Limits {
+        samples_alone: true,
+        ..Limits::NONE
+    };
+    run_sampling(gearbox, asked, watch)
 }
 
 fn run_sampling(
     gearbox: &Gearbox,
-    samples_alone: bool,
+    asked: Limits,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let planned = gearbox.scene.solver.integrator == auto::AUTO;
@@ -111,7 +131,8 @@ fn run_sampling(
     let gearbox = applied.as_ref().unwrap_or(gearbox);
     let method = method(&gearbox.scene.solver.integrator);
     let limits = Limits {
-        samples_alone: samples_alone && method.is_some_and(|method| method.adaptive),
+        evaluations: asked.evaluations,
+        samples_alone: asked.samples_alone && method.is_some_and(|method| method.adaptive),
         ..limits
     };
     run_within(gearbox, limits, watch)

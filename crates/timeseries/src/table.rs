@@ -31,6 +31,9 @@ use serde::{Serialize, Serializer};
 use crate::figure::definitions::DIGITS;
 use crate::{TimeSeries, TimeSeriesError};
 
+/// Number of bytes of CSV that are passed on at a time.
+const BLOCK: usize = 1 << 16;
+
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
@@ -239,27 +242,53 @@ impl Table {
     ///
     /// # Errors
     /// Error of the writer.
-    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
-        let mut writer = csv::Writer::from_writer(sink);
-        writer.write_record(self.named().map(|column| &column.name))?;
-        let mut digits = zmij::Buffer::new();
+    pub fn write_csv(&self, mut sink: impl Write) -> Result<(), TimeSeriesError> {
+        let columns: Vec<&Column> = self.named().collect();
+        let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
+        let heads = columns.iter().map(|column| Cell::Text(&column.name));
+        write_row(heads, &mut text, &mut digits);
         for row in 0..self.len() {
-            for column in self.named() {
-                match column.values.cell(row) {
-                    Cell::Number(value) => {
-                        let text = digits.format(value);
-                        writer.write_field(text.strip_suffix(".0").unwrap_or(text))?;
-                    }
-                    Cell::Integer(value) => writer.write_field(value.to_string())?,
-                    Cell::Text(words) => writer.write_field(words)?,
-                    Cell::Empty => writer.write_field("")?,
-                }
+            let cells = columns.iter().map(|column| column.values.cell(row));
+            write_row(cells, &mut text, &mut digits);
+            if text.len() > BLOCK {
+                sink.write_all(&text).map_err(csv::Error::from)?;
+                text.clear();
             }
-            writer.write_record(None::<&[u8]>)?;
         }
-        writer.flush().map_err(csv::Error::from)?;
-        Ok(())
+        let written = sink.write_all(&text).and_then(|()| sink.flush());
+        Ok(written.map_err(csv::Error::from)?)
     }
+}
+
+/// Appends a row of CSV to `text`.
+fn write_row<'a>(
+    cells: impl Iterator<Item = Cell<'a>>,
+    text: &mut Vec<u8>,
+    digits: &mut zmij::Buffer,
+) {
+    let begin = text.len();
+    for (place, cell) in cells.enumerate() {
+        if place > 0 {
+            text.push(b',');
+        }
+        match cell {
+            Cell::Number(value) => {
+                let number = digits.format(value);
+                let number = number.strip_suffix(".0").unwrap_or(number);
+                text.extend_from_slice(number.as_bytes());
+            }
+            Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
+            Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
+                text.extend_from_slice(format!("\"{}\"", words.replace('"', "\"\"")).as_bytes());
+            }
+            Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
+            Cell::Empty => {}
+        }
+    }
+    if text.len() == begin {
+        text.extend_from_slice(b"\"\"");
+    }
+    text.push(b'\n');
 }
 
 impl Column {
