@@ -29,10 +29,7 @@ use std::io::Write;
 use serde::{Serialize, Serializer};
 
 use crate::figure::definitions::DIGITS;
-use crate::{TimeSeries, TimeSeriesError};
-
-/// Number of bytes of CSV that are passed on at a time.
-const BLOCK: usize = 1 << 16;
+use crate::{TimeSeries, TimeSeriesError, csv_file};
 
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -242,53 +239,13 @@ impl Table {
     ///
     /// # Errors
     /// Error of the writer.
-    pub fn write_csv(&self, mut sink: impl Write) -> Result<(), TimeSeriesError> {
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         let columns: Vec<&Column> = self.named().collect();
-        let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
-        let heads = columns.iter().map(|column| Cell::Text(&column.name));
-        write_row(heads, &mut text, &mut digits);
-        for row in 0..self.len() {
-            let cells = columns.iter().map(|column| column.values.cell(row));
-            write_row(cells, &mut text, &mut digits);
-            if text.len() > BLOCK {
-                sink.write_all(&text).map_err(csv::Error::from)?;
-                text.clear();
-            }
-        }
-        let written = sink.write_all(&text).and_then(|()| sink.flush());
-        Ok(written.map_err(csv::Error::from)?)
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        csv_file::write(sink, &names, self.len(), |k, row| {
+            columns[k].values.cell(row)
+        })
     }
-}
-
-/// Appends a row of CSV to `text`.
-fn write_row<'a>(
-    cells: impl Iterator<Item = Cell<'a>>,
-    text: &mut Vec<u8>,
-    digits: &mut zmij::Buffer,
-) {
-    let begin = text.len();
-    for (place, cell) in cells.enumerate() {
-        if place > 0 {
-            text.push(b',');
-        }
-        match cell {
-            Cell::Number(value) => {
-                let number = digits.format(value);
-                let number = number.strip_suffix(".0").unwrap_or(number);
-                text.extend_from_slice(number.as_bytes());
-            }
-            Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
-            Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
-                text.extend_from_slice(format!("\"{}\"", words.replace('"', "\"\"")).as_bytes());
-            }
-            Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
-            Cell::Empty => {}
-        }
-    }
-    if text.len() == begin {
-        text.extend_from_slice(b"\"\"");
-    }
-    text.push(b'\n');
 }
 
 impl Column {
@@ -512,7 +469,7 @@ impl Serialize for Row<'_> {
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Cell<'a> {
+pub(crate) enum Cell<'a> {
     Number(f64),
     Integer(i64),
     Text(&'a str),

@@ -85,7 +85,6 @@ pub struct Options {
     /// Least and largest step of the search for the largest stable one, s.
     pub steps_s: [f64; 2],
     /// Number of evaluations after which a native run with a tolerance is not continued.
-    #[serde(default)]
     pub most_evaluations: Option<u64>,
 }
 
@@ -127,12 +126,12 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Returns the default options with runs of 0.02 s, which include the first impacts, and without methods that need more than
-    /// ten times the evaluations of the paper's step.
+    /// Returns the default options with runs of 0.02 s, which include the first impacts, and at most fifty times the evaluations of
+    /// the paper's step.
     pub fn quick() -> Self {
         Self {
             longest_s: 0.02,
-            most_evaluations: Some(100_000),
+            most_evaluations: Some(200_000),
             ..Self::default()
         }
     }
@@ -172,9 +171,9 @@ pub struct Cell {
     pub error: Option<Distance>,
     /// Failure of that run, if any.
     pub failure: Option<Failure>,
-    /// Number of evaluations at which that run was ended, as dearer than the study permits.
+    /// Number of evaluations at which that run was ended as too dear; neither a failure nor a correct run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ended_at: Option<u64>,
+    pub dearer_than: Option<u64>,
     /// Largest and mean loads of the run's time series.
     pub level: Option<LoadMagnitude>,
     /// Remainder of the energy balance as a share of the larger work, after friction, damping and stored energy; the paper's
@@ -200,7 +199,7 @@ impl Cell {
 
     /// Returns the error of the forces of a correct run (0 if no pin carries force).
     pub fn right_to(&self) -> Option<f64> {
-        let right = self.failure.is_none() && self.ended_at.is_none();
+        let right = self.failure.is_none() && self.dearer_than.is_none();
         right.then(|| self.error.map_or(0.0, |error| error.forces))
     }
 }
@@ -366,11 +365,10 @@ fn cell(
         run_on(engine, &scene, &control)
     };
     let run = at(options.step_s)?;
-    let calls = run.stats.rhs_calls;
-    let ended_at = (calls > most && !run.ending.is_finished()).then_some(calls);
+    let is_dearer = run.stats.rhs_calls > most && !run.ending.is_finished();
     let mut cell = Cell {
-        failure: judge.failure(&run).filter(|_| ended_at.is_none()),
-        ended_at,
+        failure: judge.failure(&run).filter(|_| !is_dearer),
+        dearer_than: is_dearer.then_some(most),
         ..Cell::default()
     };
     if run.ending.is_finished() {

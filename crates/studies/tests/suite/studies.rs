@@ -50,6 +50,39 @@ fn atlas_of_steel() {
     assert!(json.contains("\"kind\":\"blow-up\""));
 }
 
+/// A method that is dearer than the study permits is neither right nor wrong; unbounded, it is right.
+#[test]
+fn a_dear_method_is_not_run_to_the_end() {
+    let cell = |most_evaluations| {
+        let mut options = Options {
+            scenes: vec!["hard-friction-narrow".to_owned()],
+            longest_s: 5e-4,
+            most_evaluations,
+            ..Options::default()
+        };
+        options
+            .methods
+            .retain(|method| method.integrator == "dopri5");
+        let mut atlas = Atlas::new(options);
+        atlas.go_on(1, &Control::quiet()).unwrap();
+        let cell = atlas.done().next().unwrap().cells[0].clone();
+        let mut csv = Vec::new();
+        atlas.table().write_csv(&mut csv).unwrap();
+        (cell, String::from_utf8(csv).unwrap(), atlas.unserved())
+    };
+    let (dear, csv, unserved) = cell(Some(10_000));
+    assert_eq!(
+        (dear.dearer_than, dear.failure.as_ref()),
+        (Some(10_000), None)
+    );
+    assert!(!dear.is_right() && dear.right_to().is_none() && dear.error.is_none());
+    assert!(csv.contains("dearer than 10000 evaluations"), "{csv}");
+    assert_eq!(unserved, ["hard-friction-narrow"]);
+    let (full, csv, _) = cell(None);
+    assert!(full.is_right() && full.evaluations > 11_000, "{full:?}");
+    assert!(!csv.contains("dearer than"), "{csv}");
+}
+
 /// An explicit method that would need 1e10 steps says so after twenty thousand.
 #[test]
 fn hard_hopeless_runs_end_loudly() {
