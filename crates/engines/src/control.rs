@@ -82,7 +82,8 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
     at: Progress<'a>,
     duration_s: f64,
-    pub(crate) evaluations: u64,
+    /// Number of evaluations after which a native run ends as diverged, unless it verifies itself.
+    pub evaluations: u64,
 }
 
 impl<'a> Control<'a> {
@@ -124,15 +125,6 @@ impl<'a> Control<'a> {
         Self {
             cancel,
             progress,
-            ..self
-        }
-    }
-
-    /// Sets the number of evaluations after which a native run ends as diverged, unless it verifies itself.
-    #[must_use]
-    pub fn bounded(self, evaluations: u64) -> Self {
-        Self {
-            evaluations,
             ..self
         }
     }

@@ -82,7 +82,7 @@ pub fn run(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_sampling(gearbox, Limits::NONE, watch)
+    run_bounded(gearbox, u64::MAX, watch)
 }
 
 /// Runs the scene like [`run`], but ends it as diverged at more than `evaluations`, checked every 1000 steps.
@@ -94,11 +94,7 @@ pub fn run_bounded(
     evaluations: u64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    let asked = Limits {
-        evaluations,
-        ..Limits::NONE
-    };
-    run_sampling(gearbox, asked, watch)
+    run_sampling(gearbox, false, evaluations, watch)
 }
 
 /// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Fixed-step methods
@@ -110,16 +106,13 @@ pub fn run_at_samples(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    let asked = Limits {
-        samples_alone: true,
-        ..Limits::NONE
-    };
-    run_sampling(gearbox, asked, watch)
+    run_sampling(gearbox, true, u64::MAX, watch)
 }
 
 fn run_sampling(
     gearbox: &Gearbox,
-    asked: Limits,
+    samples_alone: bool,
+    evaluations: u64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let planned = gearbox.scene.solver.integrator == auto::AUTO;
@@ -131,8 +124,8 @@ fn run_sampling(
     let gearbox = applied.as_ref().unwrap_or(gearbox);
     let method = method(&gearbox.scene.solver.integrator);
     let limits = Limits {
-        evaluations: asked.evaluations,
-        samples_alone: asked.samples_alone && method.is_some_and(|method| method.adaptive),
+        evaluations,
+        samples_alone: samples_alone && method.is_some_and(|method| method.adaptive),
         ..limits
     };
     run_within(gearbox, limits, watch)

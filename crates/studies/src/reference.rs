@@ -94,19 +94,24 @@ pub fn solve(
     Ok((solution, run.time_series))
 }
 
-/// Makes both runs of a scene and returns them, the reference first; calls `announce` before each.
+/// Makes both runs of a scene, with fixed steps `coarser` times as long, and returns them, the reference first; calls `announce`
+/// before each.
 ///
 /// # Errors
 /// Errors of [`solve`].
 pub(crate) fn run(
     scene: &Scene,
+    coarser: f64,
     control: &Control<'_>,
     announce: &mut dyn FnMut(&str),
 ) -> Result<(Reference, [TimeSeries; 2]), StudyError> {
     let [second, first] = settings(scene, "dopri5");
-    let mut solve = |setting: Setting| {
-        announce(&format!("reference: {}, {:.2e}", setting.0, setting.1));
-        solve(scene, setting, control)
+    let mut solve = |(method, mut setting): Setting| {
+        if AccuracySetting::of(method) == AccuracySetting::Step {
+            setting *= coarser;
+        }
+        announce(&format!("reference: {method}, {setting:.2e}"));
+        solve(scene, (method, setting), control)
     };
     let (solution, own) = solve(first)?;
     let (second, other) = solve(second)?;

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
-use crate::table::Cell;
+use crate::table::Table;
 use crate::{TimeSeries, TimeSeriesError, columns};
 
 impl TimeSeries {
@@ -12,13 +12,7 @@ impl TimeSeries {
     /// # Errors
     /// Error of the writer.
     pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
-        let channels = self.channels().iter();
-        let channels = channels.map(|channel| (channel.name.as_str(), &channel.values[..]));
-        let time = [(columns::TIME, self.time_s())];
-        let (names, values): (Vec<_>, Vec<_>) = time.into_iter().chain(channels).unzip();
-        write(sink, &names, self.len(), |k, row| {
-            Cell::Number(values[k][row])
-        })
+        Table::from(self).write_csv(sink)
     }
 
     /// Writes a CSV file; see [`TimeSeries::write_csv`].
@@ -68,57 +62,6 @@ impl TimeSeries {
         let file = std::fs::File::open(path).map_err(io(path))?;
         Self::read_csv(std::io::BufReader::new(file))
     }
-}
-
-/// Number of bytes of CSV that are passed on at a time.
-const BLOCK: usize = 1 << 16;
-
-/// Writes CSV with a header of `names` and as many `rows`; `cell` gives the value in a column and row.
-pub(crate) fn write<'a>(
-    mut sink: impl Write,
-    names: &[&'a str],
-    rows: usize,
-    cell: impl Fn(usize, usize) -> Cell<'a>,
-) -> Result<(), TimeSeriesError> {
-    let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
-    for row in 0..=rows {
-        let begin = text.len();
-        for (k, name) in names.iter().enumerate() {
-            if k > 0 {
-                text.push(b',');
-            }
-            let cell = match row.checked_sub(1) {
-                Some(row) => cell(k, row),
-                None => Cell::Text(name),
-            };
-            match cell {
-                // A fifth of the numbers: pins without contact.
-                Cell::Number(value) if value.to_bits() == 0 => text.push(b'0'),
-                Cell::Number(value) => {
-                    let number = digits.format(value);
-                    let number = number.strip_suffix(".0").unwrap_or(number);
-                    text.extend_from_slice(number.as_bytes());
-                }
-                Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
-                Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
-                    let words = words.replace('"', "\"\"");
-                    text.extend_from_slice(format!("\"{words}\"").as_bytes());
-                }
-                Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
-                Cell::Empty => {}
-            }
-        }
-        // A row of one empty cell is no empty line.
-        if text.len() == begin {
-            text.extend_from_slice(b"\"\"");
-        }
-        text.push(b'\n');
-        if text.len() > BLOCK || row == rows {
-            sink.write_all(&text).map_err(csv::Error::from)?;
-            text.clear();
-        }
-    }
-    Ok(sink.flush().map_err(csv::Error::from)?)
 }
 
 fn io(path: &Path) -> impl Fn(std::io::Error) -> TimeSeriesError {

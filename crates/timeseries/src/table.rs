@@ -29,7 +29,10 @@ use std::io::Write;
 use serde::{Serialize, Serializer};
 
 use crate::figure::definitions::DIGITS;
-use crate::{TimeSeries, TimeSeriesError, csv_file};
+use crate::{TimeSeries, TimeSeriesError};
+
+/// Number of bytes of CSV that are passed on at a time.
+const BLOCK: usize = 1 << 16;
 
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -239,12 +242,45 @@ impl Table {
     ///
     /// # Errors
     /// Error of the writer.
-    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
+    pub fn write_csv(&self, mut sink: impl Write) -> Result<(), TimeSeriesError> {
         let columns: Vec<&Column> = self.named().collect();
-        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        csv_file::write(sink, &names, self.len(), |k, row| {
-            columns[k].values.cell(row)
-        })
+        let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
+        for row in 0..=self.len() {
+            let begin = text.len();
+            for (k, column) in columns.iter().enumerate() {
+                if k > 0 {
+                    text.push(b',');
+                }
+                let cell = match row.checked_sub(1) {
+                    Some(row) => column.values.cell(row),
+                    None => Cell::Text(&column.name),
+                };
+                match cell {
+                    Cell::Number(value) => {
+                        let number = digits.format(value);
+                        let number = number.strip_suffix(".0").unwrap_or(number);
+                        text.extend_from_slice(number.as_bytes());
+                    }
+                    Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
+                    Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
+                        let words = words.replace('"', "\"\"");
+                        text.extend_from_slice(format!("\"{words}\"").as_bytes());
+                    }
+                    Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
+                    Cell::Empty => {}
+                }
+            }
+            // A row of one empty cell is no empty line.
+            if text.len() == begin {
+                text.extend_from_slice(b"\"\"");
+            }
+            text.push(b'\n');
+            if text.len() > BLOCK || row == self.len() {
+                sink.write_all(&text).map_err(csv::Error::from)?;
+                text.clear();
+            }
+        }
+        Ok(sink.flush().map_err(csv::Error::from)?)
     }
 }
 
@@ -469,7 +505,7 @@ impl Serialize for Row<'_> {
 
 #[derive(Serialize)]
 #[serde(untagged)]
-pub(crate) enum Cell<'a> {
+enum Cell<'a> {
     Number(f64),
     Integer(i64),
     Text(&'a str),
