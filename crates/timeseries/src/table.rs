@@ -256,6 +256,8 @@ impl Table {
                     None => Cell::Text(&column.name),
                 };
                 match cell {
+                    // A pin without contact.
+                    Cell::Number(value) if value.to_bits() == 0 => text.push(b'0'),
                     Cell::Number(value) => {
                         let number = digits.format(value);
                         let number = number.strip_suffix(".0").unwrap_or(number);
