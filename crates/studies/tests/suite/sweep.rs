@@ -81,7 +81,7 @@ fn the_same_numbers_whatever_the_threads() {
     );
 }
 
-/// Memory of a sweep: gears are made when they run, and leave their figures.
+/// Memory of a sweep at its peak: gears are made when they run, and leave their figures, 339 bytes each. A scene has thousands.
 #[test]
 fn a_gear_of_a_sweep_takes_little_memory() {
     let most = |gears: u32| {
@@ -101,7 +101,7 @@ fn a_gear_of_a_sweep_takes_little_memory() {
     let [few, many] = [32, 128].map(most);
     let each = (many - few) / 96.0;
     println!("{few} and {many} bytes: {each} a gear");
-    assert!(each < 1500.0, "{each} bytes a gear");
+    assert!(each < 500.0, "{each} bytes a gear");
 }
 
 /// The figures are those of the run itself.
