@@ -56,13 +56,14 @@ fn atlas_of_steel() {
 fn hard_hopeless_runs_end_loudly() {
     let mut options = Options {
         scenes: vec!["hard-feather-sleeves".to_owned()],
-        longest_s: 3e-4,
         ..Options::default()
     };
     options.methods.retain(|m| m.integrator == "dopri5");
-    let [loud, dear] = [None, Some(10_000)].map(|most_evaluations| {
+    let cases = [(None, 0.001), (Some(10_000), 1e-4)];
+    let [loud, dear] = cases.map(|(most_evaluations, longest_s)| {
         let mut atlas = Atlas::new(Options {
             most_evaluations,
+            longest_s,
             ..options.clone()
         });
         atlas.go_on(1, &Control::quiet()).unwrap();
