@@ -17,6 +17,10 @@ use crate::{Complex, Epitrochoid, Foot, Scalar};
 /// Tangential residual, as a share of R, below which Newton has converged; smaller on sharp curves. The step that follows
 /// squares the error.
 const TANGENTIAL_TOLERANCE: f64 = 1.5e-8;
+/// Tangential residual, as a share of R, and distance, as a share of the reach, below which a Newton step ends nearer to the foot
+/// than any two points of a discrete profile are to each other.
+const NEAR_TANGENTIAL: f64 = 1e-3;
+const NEAR_REACH: f64 = 0.5;
 /// Newton steps before the global search takes over; the usual number is 1 to 3.
 const MAX_STEPS: usize = 12;
 
@@ -45,9 +49,27 @@ impl Epitrochoid {
     /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affect the result only by rounding.
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
+        self.within::<false>(p, start, limit)
+    }
+
+    /// Returns e^{ia} near the foot of `p` if its signed distance from the curve may be below `limit`, m, for a search of discrete
+    /// points from there; arguments as in [`foot_within`](Self::foot_within).
+    #[inline]
+    pub fn unit_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Complex> {
+        let foot = self.within::<true>(p, start, limit)?;
+        Some(foot.unit)
+    }
+
+    #[inline]
+    fn within<const NEAR: bool>(
+        &self,
+        p: Complex,
+        start: [Complex; 2],
+        limit: f64,
+    ) -> Option<Foot> {
         let result = match self.has_offset() {
-            true => self.local_search::<true>(p, start, limit),
-            false => self.local_search::<false>(p, start, limit),
+            true => self.local_search::<true, NEAR>(p, start, limit),
+            false => self.local_search::<false, NEAR>(p, start, limit),
         };
         match result {
             Local::Outside => None,
@@ -96,7 +118,8 @@ impl Epitrochoid {
         (foot.distance < limit).then_some(foot)
     }
 
-    fn local_search<const OFFSET: bool>(
+    /// Searches by Newton's method; with `NEAR` the last step is not evaluated, and the distance is a lower bound.
+    fn local_search<const OFFSET: bool, const NEAR: bool>(
         &self,
         p: Complex,
         start: [Complex; 2],
@@ -141,6 +164,19 @@ impl Epitrochoid {
             }
             let turn = Complex::unit_near_zero(da);
             u = u * turn;
+            if NEAR
+                && t.abs() < NEAR_TANGENTIAL * self.settling * self.pitch_radius
+                && s > -NEAR_REACH * self.reach_inside
+                && s < NEAR_REACH * self.reach_outside
+            {
+                // The foot is at most 2 t along the tangent, where the curve has left it by less than this.
+                let bend = 4.0 * t * t / self.reach_inside.min(self.reach_outside);
+                return Local::Foot(Foot {
+                    unit: u,
+                    at,
+                    distance: s - bend,
+                });
+            }
             v = v * turn.powu(self.sleeves);
             last_step = t.abs() < tolerance;
         }

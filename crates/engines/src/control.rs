@@ -82,6 +82,8 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),
     at: Progress<'a>,
     duration_s: f64,
+    /// Number of evaluations after which a native run ends as diverged, unless it verifies itself.
+    pub evaluations: u64,
 }
 
 impl<'a> Control<'a> {
@@ -92,6 +94,7 @@ impl<'a> Control<'a> {
             progress,
             at: Progress::new(0, 1, ""),
             duration_s: 0.0,
+            evaluations: u64::MAX,
         }
     }
 

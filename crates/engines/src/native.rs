@@ -102,7 +102,9 @@ impl Native {
         let outcome = match self.target(scene) {
             Some(target) => resolve::run_resolved(gearbox, target, BUDGET, &mut watch)
                 .map(|(run, uncertainty)| (run, Some(uncertainty))),
-            None => native::run(gearbox, &mut watch).map(|run| (run, None)),
+            None => {
+                native::run_bounded(gearbox, control.evaluations, &mut watch).map(|run| (run, None))
+            }
         };
         let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
         let (run, uncertainty) = outcome.map_err(|error| match error {

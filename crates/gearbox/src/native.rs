@@ -82,7 +82,19 @@ pub fn run(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_sampling(gearbox, false, watch)
+    run_bounded(gearbox, u64::MAX, watch)
+}
+
+/// Runs the scene like [`run`], but ends it as diverged at more than `evaluations`, checked every 1000 steps.
+///
+/// # Errors
+/// See [`NativeError`].
+pub fn run_bounded(
+    gearbox: &Gearbox,
+    evaluations: u64,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    run_sampling(gearbox, false, evaluations, watch)
 }
 
 /// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Fixed-step methods
@@ -94,12 +106,13 @@ pub fn run_at_samples(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_sampling(gearbox, true, watch)
+    run_sampling(gearbox, true, u64::MAX, watch)
 }
 
 fn run_sampling(
     gearbox: &Gearbox,
     samples_alone: bool,
+    evaluations: u64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
     let planned = gearbox.scene.solver.integrator == auto::AUTO;
@@ -111,6 +124,7 @@ fn run_sampling(
     let gearbox = applied.as_ref().unwrap_or(gearbox);
     let method = method(&gearbox.scene.solver.integrator);
     let limits = Limits {
+        evaluations,
         samples_alone: samples_alone && method.is_some_and(|method| method.adaptive),
         ..limits
     };

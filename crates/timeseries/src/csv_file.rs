@@ -20,8 +20,7 @@ impl TimeSeries {
     /// # Errors
     /// The file cannot be created or written.
     pub fn save_csv(&self, path: &Path) -> Result<(), TimeSeriesError> {
-        let file = std::fs::File::create(path).map_err(io(path))?;
-        self.write_csv(std::io::BufWriter::new(file))
+        self.write_csv(std::fs::File::create(path).map_err(io(path))?)
     }
 
     /// Reads a file of [`TimeSeries::write_csv`], or any CSV with a `time_s` column; columns without a name are left out.

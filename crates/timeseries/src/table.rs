@@ -31,6 +31,9 @@ use serde::{Serialize, Serializer};
 use crate::figure::definitions::DIGITS;
 use crate::{TimeSeries, TimeSeriesError};
 
+/// Number of bytes of CSV that are passed on at a time.
+const BLOCK: usize = 1 << 16;
+
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
@@ -239,26 +242,47 @@ impl Table {
     ///
     /// # Errors
     /// Error of the writer.
-    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
-        let mut writer = csv::Writer::from_writer(sink);
-        writer.write_record(self.named().map(|column| &column.name))?;
-        let mut digits = zmij::Buffer::new();
-        for row in 0..self.len() {
-            for column in self.named() {
-                match column.values.cell(row) {
+    pub fn write_csv(&self, mut sink: impl Write) -> Result<(), TimeSeriesError> {
+        let columns: Vec<&Column> = self.named().collect();
+        let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
+        for row in 0..=self.len() {
+            let begin = text.len();
+            for (k, column) in columns.iter().enumerate() {
+                if k > 0 {
+                    text.push(b',');
+                }
+                let cell = match row.checked_sub(1) {
+                    Some(row) => column.values.cell(row),
+                    None => Cell::Text(&column.name),
+                };
+                match cell {
+                    // A pin without contact.
+                    Cell::Number(value) if value.to_bits() == 0 => text.push(b'0'),
                     Cell::Number(value) => {
-                        let text = digits.format(value);
-                        writer.write_field(text.strip_suffix(".0").unwrap_or(text))?;
+                        let number = digits.format(value);
+                        let number = number.strip_suffix(".0").unwrap_or(number);
+                        text.extend_from_slice(number.as_bytes());
                     }
-                    Cell::Integer(value) => writer.write_field(value.to_string())?,
-                    Cell::Text(words) => writer.write_field(words)?,
-                    Cell::Empty => writer.write_field("")?,
+                    Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
+                    Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
+                        let words = words.replace('"', "\"\"");
+                        text.extend_from_slice(format!("\"{words}\"").as_bytes());
+                    }
+                    Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
+                    Cell::Empty => {}
                 }
             }
-            writer.write_record(None::<&[u8]>)?;
+            // A row of one empty cell is no empty line.
+            if text.len() == begin {
+                text.extend_from_slice(b"\"\"");
+            }
+            text.push(b'\n');
+            if text.len() > BLOCK || row == self.len() {
+                sink.write_all(&text).map_err(csv::Error::from)?;
+                text.clear();
+            }
         }
-        writer.flush().map_err(csv::Error::from)?;
-        Ok(())
+        Ok(sink.flush().map_err(csv::Error::from)?)
     }
 }
 

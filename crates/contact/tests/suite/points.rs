@@ -19,7 +19,8 @@ proptest! {
     /// The walk and a scan of all vertices agree, for any gear and number of points.
     #[test]
     fn nearest_vertex_is_the_scan_s(
-        zk in 4_u32..30, m in 0.3_f64..0.8, per_lobe in 8_usize..300, a in -3.2_f64..3.2, depth in 0.0_f64..2e-4,
+        zk in 4_u32..30, m in 0.3_f64..0.8, per_lobe in 8_usize..300, a in -3.2_f64..3.2, depth in -1e-4_f64..2e-4,
+        off in -3e-3_f64..3e-3,
     ) {
         let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
         let q = 0.45 / curve.largest_curvature();
@@ -33,6 +34,11 @@ proptest! {
         let vertices = (0..count).map(|k| vertex(&curve, q, TAU / count as f64 * k as f64));
             let scan = vertices.map(|v| (p - v).norm2()).fold(f64::INFINITY, f64::min);
         prop_assert!(found == scan, "{found} {scan}");
+        let start = [a + off, f64::from(zk) * (a + off)].map(Complex::unit);
+        match curve.unit_within(p, start, 0.0) {
+            Some(unit) => prop_assert!(points.nearest(p, unit.arg()).1 == scan, "{scan}"),
+            None => prop_assert!(scan >= q * q, "{scan} {q}"),
+        }
     }
 
     /// The direct formula and a scan of all points of a hole agree.

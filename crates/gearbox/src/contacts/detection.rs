@@ -310,10 +310,10 @@ impl Points {
         })
     }
 
-    /// Returns the touch of ring pin `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
+    /// Returns the touch of ring pin `j` at the vertex of the edge that is nearest to `p`, whose foot is near e^{ia} = `unit`.
     #[inline]
-    fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> Touch {
-        let (vertex, _) = self.profile.nearest(p, foot.parameter());
+    fn vertex(&self, j: usize, p: Complex, unit: Complex) -> Touch {
+        let (vertex, _) = self.profile.nearest(p, unit.arg());
         let radius = self.shapes.external[j].radius;
         let stiffness = vertex.stiffness(radius, &self.shapes.hertz);
         Touch::at_point(p, vertex.position, radius, stiffness)
@@ -331,10 +331,10 @@ impl Points {
 impl Detection for Points {
     #[inline]
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)> {
-        let foot = self.shapes.foot(j, p, start)?;
-        let touch = self.vertex(j, p, &foot);
-        let presses = touch.presses(self.shapes.external[j].radius);
-        presses.then_some((touch, foot.unit))
+        let External { radius, larger } = self.shapes.external[j];
+        let unit = self.shapes.curve.unit_within(p, start, larger)?;
+        let touch = self.vertex(j, p, unit);
+        touch.presses(radius).then_some((touch, unit))
     }
 
     #[inline]
@@ -346,7 +346,7 @@ impl Detection for Points {
     }
 
     fn profile_gap(&self, j: usize, p: Complex) -> Touch {
-        self.vertex(j, p, &self.shapes.curve.closest(p))
+        self.vertex(j, p, self.shapes.curve.closest(p).unit)
     }
 
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch {

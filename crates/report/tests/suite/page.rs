@@ -8,6 +8,7 @@ use pinwheel_gearbox::{Gearbox, explain};
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_studies::motion::Motion;
+use pinwheel_studies::stability::{Atlas, Cell, Method, Options, SceneRow};
 use pinwheel_studies::{Control, Provenance};
 use pinwheel_timeseries::TimeSeries;
 
@@ -277,4 +278,36 @@ fn nobody_finished() {
 #[test]
 fn the_same_input_gives_the_same_bytes() {
     assert_eq!(page(&two(1.1)), page(&two(1.1)));
+}
+
+/// A run that was ended as too dear has words of its own on page and terminal.
+#[test]
+fn a_run_that_was_ended_is_no_failure() {
+    let mut options = Options::quick();
+    (options.scenes, options.methods) = (vec!["x".to_owned()], vec![Method::default()]);
+    let mut atlas = Atlas::new(options);
+    let cell = Cell {
+        dearer_than: atlas.options.most_evaluations,
+        ..Cell::default()
+    };
+    atlas.rows[0] = Some(SceneRow {
+        scene: "x".to_owned(),
+        why: String::new(),
+        auto: String::new(),
+        reference: None,
+        refused: None,
+        cells: vec![cell],
+    });
+    let page = pinwheel_report::pages::stability::page(
+        &atlas,
+        &Provenance::here("pinwheel stability --quick".to_owned()),
+    );
+    let text = pinwheel_report::pages::stability::text(&atlas);
+    for shown in [&page, &text] {
+        assert!(shown.contains("dearer than 200000 evaluations"), "{shown}");
+    }
+    let cells = page.matches(">not run to the end<").count();
+    assert_eq!(cells, 4, "one in each map");
+    assert!(!text.contains("fails in"), "{text}");
+    assert!(text.contains("0 of 1"), "{text}");
 }

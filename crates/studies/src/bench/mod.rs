@@ -154,7 +154,7 @@ pub fn run(
     let mut done = 0;
     // One run does not indicate the remaining time of the study.
     let quiet = Control::silent(control.cancel);
-    let (reference, [time_series, second]) = reference::run(scene, &quiet, &mut |piece| {
+    let (reference, [time_series, second]) = reference::run(scene, 1.0, &quiet, &mut |piece| {
         (control.progress)(Progress::new(done, total, piece));
         done += 1;
     })?;

@@ -143,8 +143,9 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
         })
     }));
     let mut measured = vec![cost];
+    // The last groups take longest, and begin first, so that no thread is left alone with one.
     let draw = |(): &mut (), k: usize| -> Result<Vec<Measured>, StudyError> {
-        let (names, piece, make) = groups[k];
+        let (names, piece, make) = groups[groups.len() - 1 - k];
         step(k + 1, piece)?;
         let drawn = make(&runs)?.into_iter().zip(*names);
         let drawn = drawn.filter(|(_, name)| wanted(name));
@@ -156,7 +157,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     if let Some(fault) = fault {
         return Err(fault);
     }
-    measured.extend(drawn.into_iter().flatten().flatten());
+    measured.extend(drawn.into_iter().rev().flatten().flatten());
     let claims = stated.claim.iter().filter_map(|claim| {
         let one = measured.iter().find(|one| one.id == claim.figure)?;
         Some(claim.claim(one))

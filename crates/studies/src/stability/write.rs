@@ -72,6 +72,12 @@ impl Atlas {
         type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
         let word = |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map(of).unwrap_or_default();
         let failure = word(|cell| text_of(cell.failure.as_ref(), Failure::word));
+        let dear = word(|cell| {
+            let than = cell.dearer_than;
+            than.map_or_else(String::new, |than| {
+                format!("dearer than {than} evaluations")
+            })
+        });
         let first = word(|cell| text_of(cell.fails_first.as_ref(), Failure::word));
         let how = word(|cell| text_of(cell.fails_first.as_ref(), Failure::sentence));
         let never = word(|cell| cell.never_failed.to_string());
@@ -89,6 +95,7 @@ impl Atlas {
                 Some(row.1?.error?.driver_torque)
             })
             .text("failure", "Failure", failure)
+            .text("not_run_to_the_end", "", dear)
             .number("largest_step_s", "Largest step", |row| {
                 row.1?.largest_step_s
             })

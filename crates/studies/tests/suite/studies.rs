@@ -50,23 +50,39 @@ fn atlas_of_steel() {
     assert!(json.contains("\"kind\":\"blow-up\""));
 }
 
-/// An explicit method that would need 1e10 steps says so after twenty thousand.
+/// An explicit method that would need 1e10 steps says so after twenty thousand; with a bound on evaluations it is neither right
+/// nor a failure.
 #[test]
 fn hard_hopeless_runs_end_loudly() {
     let mut options = Options {
         scenes: vec!["hard-feather-sleeves".to_owned()],
-        longest_s: 0.001,
         ..Options::default()
     };
     options.methods.retain(|m| m.integrator == "dopri5");
-    let mut atlas = Atlas::new(options);
-    atlas.go_on(1, &Control::quiet()).unwrap();
-    let cells = &atlas.done().next().unwrap().cells;
-    let message = cells[0].failure.as_ref().unwrap().sentence();
+    let cases = [(None, 0.001), (Some(10_000), 1e-4)];
+    let [loud, dear] = cases.map(|(most_evaluations, longest_s)| {
+        let mut atlas = Atlas::new(Options {
+            most_evaluations,
+            longest_s,
+            ..options.clone()
+        });
+        atlas.go_on(1, &Control::quiet()).unwrap();
+        let mut csv = Vec::new();
+        atlas.table().write_csv(&mut csv).unwrap();
+        let cell = atlas.done().next().unwrap().cells[0].clone();
+        (cell, String::from_utf8(csv).unwrap(), atlas.unserved())
+    });
+    let message = loud.0.failure.as_ref().unwrap().sentence();
     assert!(
         message.contains("too stiff") && message.contains("imex2"),
         "{message}"
     );
+    assert!(!loud.1.contains("dearer than"), "{}", loud.1);
+    let (cell, csv, unserved) = dear;
+    assert_eq!((cell.dearer_than, &cell.failure), (Some(10_000), &None));
+    assert!(!cell.is_right() && cell.right_to().is_none() && cell.error.is_none());
+    assert!(csv.contains("dearer than 10000 evaluations"), "{csv}");
+    assert_eq!(unserved, ["hard-feather-sleeves"]);
 }
 
 /// An atlas that was stopped goes on from the scenes it has, and gives what an undisturbed one gives.

@@ -81,6 +81,29 @@ fn the_same_numbers_whatever_the_threads() {
     );
 }
 
+/// Memory of a sweep at its peak: gears are made when they run, and leave their figures, 339 bytes each. A scene has thousands.
+#[test]
+fn a_gear_of_a_sweep_takes_little_memory() {
+    let most = |gears: u32| {
+        let text = format!(
+            "scene = \"paper\"\nengines = [\"statics\"]\n[sample]\npoints = {gears}\ngear.backlash_m = {{ from = 0.0, to = 1e-4 }}\n"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let journal = Journal::open(folder.path(), None, "a test").unwrap();
+        let counted = allocation_counter::measure(|| {
+            let plan = plan(&text);
+            let rows = execute(&plan, &journal, 1, &Control::quiet()).unwrap();
+            drop(csv(&plan, &rows.all().unwrap()));
+        });
+        counted.bytes_max as f64
+    };
+    // Lists grow by doubling, so both sizes are powers of two.
+    let [few, many] = [32, 128].map(most);
+    let each = (many - few) / 96.0;
+    println!("{few} and {many} bytes: {each} a gear");
+    assert!(each < 500.0, "{each} bytes a gear");
+}
+
 /// The figures are those of the run itself.
 #[test]
 fn figures_are_the_time_series() {

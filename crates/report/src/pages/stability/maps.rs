@@ -9,6 +9,8 @@ use pinwheel_timeseries::table::{Mark, Table};
 const STEPS: [f64; 2] = [2e-7, 1e-3];
 /// Limits of the shading of errors.
 const ERRORS: [f64; 2] = [1e-6, 1.0];
+/// Words for a run that was ended as too dear.
+pub(super) const DEAR: &str = "not run to the end";
 /// Energy remainders above this share are marked: ten times the work created by the paper's law.
 const REMAINDER: f64 = 0.1;
 
@@ -115,6 +117,7 @@ fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
     for (k, method) in atlas.options.methods.iter().enumerate() {
         // The first cell of a refused scene shows the reason.
         let place = |row: &&&SceneRow| match (row.cells.get(k), &row.refused) {
+            (Some(cell), _) if cell.dearer_than.is_some() => Place::marked(DEAR, Mark::Muted),
             (Some(cell), _) => shown(cell),
             (None, Some(reason)) if k == 0 => Place::marked(reason, Mark::Bad),
             (None, _) => Place::default(),
@@ -128,6 +131,14 @@ fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
     table.done()
 }
 
+/// Returns the bound on evaluations as a sentence.
+pub(super) fn dear(atlas: &Atlas) -> Option<String> {
+    let most = atlas.options.most_evaluations?;
+    Some(format!(
+        "A run by a tolerance that is dearer than {most} evaluations is {DEAR}."
+    ))
+}
+
 /// Returns the largest step of every method.
 pub(super) fn steps(atlas: &Atlas) -> Table {
     map(atlas, "Largest step with the right picture", step)
@@ -137,6 +148,7 @@ pub(super) fn steps(atlas: &Atlas) -> Table {
 pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
     let options = &atlas.options;
     let step_s = format::seconds(options.step_s);
+    let dear = dear(atlas).unwrap_or_default();
     // The first map is unfolded, the others folded.
     let section = |id: &str, title: &str, text: String, table: Table| {
         let section = Section::new(id, title).with(text).with(table);
@@ -153,7 +165,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
                 "The largest step with which a method still gives the right picture over the first {} s at most: it ends, \
                  its largest force is at most 1.5 times the converged one, its mean driver torque is within 10 %, its \
                  joints hold, its forces are within 50 %. Found by bisection to 10 %, between {} and {}. Darker is smaller. \
-                 Marked: fails at {step_s} itself. Methods with a tolerance choose their steps; theirs is the error.",
+                 Marked: fails at {step_s} itself. Methods with a tolerance choose their steps; theirs is the error. {dear}",
                 options.longest_s,
                 format::seconds(options.steps_s[0]),
                 format::seconds(options.steps_s[1]),

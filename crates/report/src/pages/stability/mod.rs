@@ -87,12 +87,13 @@ fn hardest(atlas: &Atlas) -> Option<(f64, &String)> {
 fn tiles(atlas: &Atlas) -> Vec<Tile> {
     let cells = || atlas.done().flat_map(|row| &row.cells);
     let failed = cells().filter(|cell| cell.failure.is_some()).count();
+    let dear = cells().filter(|cell| cell.dearer_than.is_some()).count();
     let step = format::seconds(atlas.options.step_s);
-    let pairs = Tile::new(
-        "Scene and method",
-        cells().count().to_string(),
-        format!("{failed} of them fail at {step}"),
-    );
+    let mut detail = format!("{failed} of them fail at {step}");
+    if dear > 0 {
+        detail.push_str(&format!(", {dear} {}", maps::DEAR));
+    }
+    let pairs = Tile::new("Scene and method", cells().count().to_string(), detail);
     let hardest = hardest(atlas).map(|(error, scene)| {
         let detail = format!("{scene}, error of the forces with the best method");
         Tile::new("Hardest scene", format::relative(error), detail)
@@ -185,10 +186,15 @@ pub fn text(atlas: &Atlas) -> String {
             })
         })
         .text("", "fails in", |(k, _)| {
-            let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
+            let wrong = |cell: &Cell| !cell.is_right() && cell.dearer_than.is_none();
+            let wrong = cells(*k).filter(|(_, cell)| wrong(cell));
             joined(", ", wrong.map(|(scene, _)| scene))
         })
-        .marked(|_| Mark::Bad);
+        .marked(|_| Mark::Bad)
+        .text("", maps::DEAR, |(k, _)| {
+            let dear = cells(*k).filter(|(_, cell)| cell.dearer_than.is_some());
+            joined(", ", dear.map(|(scene, _)| scene))
+        });
     let refused = atlas
         .done()
         .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
@@ -196,5 +202,6 @@ pub fn text(atlas: &Atlas) -> String {
     let findings = paragraphs(atlas.findings().map(|(line, _)| line));
     let table = terminal::table(&table.done().without_empty());
     let map = "The map of scenes and methods is on the page.".to_owned();
-    titled("stability", [findings, table, paragraphs(refused), map])
+    let notes = paragraphs(refused.chain(maps::dear(atlas)));
+    titled("stability", [findings, table, notes, map])
 }
