@@ -28,10 +28,12 @@ const NAMES: [&str; 7] = [
 const START: &str = "P=$(mktemp -d) && \"$0\" \"$@\" --user-data-dir=\"$P\" 3<&0 4>&1 </dev/null >/dev/null 2>&1; rm -rf \"$P\"";
 /// Browsers without a test.
 static IDLE: Mutex<Vec<Chromium>> = Mutex::new(Vec::new());
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 10] = [
     "--headless=new",
     "--remote-debugging-pipe",
     "--no-first-run",
+    // Its first page would take a quarter of its start.
+    "--no-startup-window",
     "--no-default-browser-check",
     "--disable-gpu",
     "--disable-dev-shm-usage",
@@ -117,6 +119,7 @@ impl Chromium {
             .args(FLAGS)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
+            .stderr(Stdio::null()) // held by nobody when the test has ended
             .spawn()
             .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
         let (sender, answers) = channel();

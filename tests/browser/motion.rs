@@ -113,7 +113,7 @@ const FRAMES: &str = r#"(async () => {
 const THESE: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-  for (let k = 0; k < 2400 && frames.length < 40; k += 1) await wait(50);
+  for (let k = 0; k < 2400 && frames.length < 20; k += 1) await wait(50);
   const sorted = (values) => [...values].sort((a, b) => a - b);
   const middle = (values) => { const v = sorted(values); return [v[Math.floor(0.5 * v.length)], v[Math.floor(0.95 * v.length)]]; };
   const most = (key) => Math.max(...frames.map((f) => f[key]));
@@ -156,7 +156,7 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
         seen["points"],
         seen["paints"],
     );
-    assert!(frames >= 40.0, "it does not play: {seen}");
+    assert!(frames >= 20.0, "it does not play: {seen}");
     assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
     assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
     for key in ["paths", "texts", "reads"] {
@@ -224,13 +224,13 @@ pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
       let [stamp, drawn] = [1e6, 0];
       window.requestAnimationFrame = (callback) => setTimeout(() => { stamp += 40; drawn += 1; callback(stamp); }, 0);
       host.scrollIntoView();
-      for (let k = 0; k < 2400 && drawn < 60; k += 1) await wait(10);
+      for (let k = 0; k < 2400 && drawn < 30; k += 1) await wait(10);
       const wide = Math.round(canvas.clientWidth);
       const playing = canvas.width;
       host.querySelector('.play').click();
       const resting = canvas.width;
       host.querySelector('.play').click();
-      return [drawn >= 60, playing / wide, resting / wide, canvas.width / wide];
+      return [drawn >= 30, playing / wide, resting / wide, canvas.width / wide];
     })()"#;
     browser.open(page, MOVING);
     assert_eq!(browser.evaluate(WATCH), serde_json::json!([true, 1, 2, 1]));

@@ -71,7 +71,7 @@ fn crossval_python_own_gear_shared_law() {
 /// Wave forms from equilibrium, both peers, against a native run with equally stiff balls. Measured at most 5.8e-2, 1.4e-3,
 /// 1.3e-2 and 4.4e-3.
 fn own_contact(text: &str) {
-    let scene = gear(text, 300.0, Start::Equilibrium);
+    let scene = gear(text, 150.0, Start::Equilibrium);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let twin = OwnContact::Balls.twin(&gearbox).unwrap().unwrap();
     let reference = native(&twin, "rk4", scene.solver.step_s);

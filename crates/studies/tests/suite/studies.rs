@@ -55,7 +55,7 @@ fn atlas_of_steel() {
 fn hard_hopeless_runs_end_loudly() {
     let mut options = Options {
         scenes: vec!["hard-feather-sleeves".to_owned()],
-        longest_s: 0.001,
+        longest_s: 0.0001,
         ..Options::default()
     };
     options.methods.retain(|m| m.integrator == "dopri5");
