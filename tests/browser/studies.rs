@@ -89,8 +89,9 @@ fn browser_shows_sweeps() {
                      gear.backlash_m = [0.0, 2.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\ndrive.output_torque_n_m = [11.0, 22.0, 33.0]\n";
         fs::write(dir.join("three.toml"), sweep).unwrap();
         browser.open(&page(dir, "sweep three.toml"), PHONE);
+        assert!(browser.sheets() <= 3);
         let (found, _) = faults(browser, PHONE);
-        assert!(found.is_empty() && browser.sheets() <= 3, "{found:#?}");
+        assert!(found.is_empty(), "{found:#?}");
         let seen = browser.evaluate(
             "(() => {
               const maps = [...document.querySelectorAll('.grid .scroll')];
@@ -175,7 +176,7 @@ fn browser_shows_a_run() {
 #[test]
 fn browser_shows_a_design() {
     browse(|browser, dir| {
-        flawless(browser, &page(dir, "design printed-drive"), [7, 1, 5]);
+        flawless(browser, &page(dir, "design printed-drive"), [7, 1, 6]);
         // Names in backticks are code, in the lead too.
         let lead = browser.text("document.querySelector('.lead').innerHTML");
         assert!(lead.contains("<code>") && !lead.contains('`'), "{lead}");

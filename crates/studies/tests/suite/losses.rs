@@ -161,13 +161,16 @@ fn no_efficiency_of_slow_motion_where_all_pins_roll() {
 /// Poses over a period of the mesh, no multiple of any gear's pins.
 const POSES: usize = 97;
 
+/// Preset or printed gear, its keys, limit, and efficiency by rigid statics with Coulomb friction by another program, %.
+type Row = (&'static str, &'static [&'static str], f64, Option<f64>);
+
 /// Statics with friction of the ideal mesh's sliding against runs of gears whose pins turn and do not, with one friction and both, on
-/// floating discs and on cranks. Sleeves that nothing rubs on their pins lose by their inertia, which slow motion leaves out. Last column: rigid statics with Coulomb friction by another program.
+/// floating discs and on cranks. Sleeves that nothing rubs on their pins lose by their inertia, which slow motion leaves out.
 ///
 /// Measured, run less statics: [`LIMIT`].
 #[test]
 fn regress_efficiency_by_statics_is_that_of_a_run() {
-    let gears: [(&str, &[&str], f64, Option<f64>); 8] = [
+    agree(&[
         ("printed", &[], LIMIT, Some(69.50)),
         (
             "printed",
@@ -181,16 +184,32 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
             LIMIT,
             Some(61.80),
         ),
-        (
-            "printed",
-            &["drive.output=ring", "drive.output_torque_n_m=-20"],
-            LIMIT,
-            None,
-        ),
         ("needle-bearings", &["solver.duration_s=0.1"], LIMIT, None),
         (
             "needle-bearings",
             &["solver.duration_s=0.1", "contact.friction_coefficient=0.01"],
+            LIMIT,
+            None,
+        ),
+        (
+            "rv-40e-like",
+            &[
+                "contact.friction_coefficient=0.05",
+                "gear.external_sleeves_turn=false",
+            ],
+            OVER_PART_OF_A_MESH,
+            None,
+        ),
+    ]);
+}
+
+#[test]
+#[ignore = "weekly: 5 s for a ring as output and for held pins on floating discs"]
+fn regress_efficiency_of_dear_gears_by_statics_is_that_of_a_run() {
+    agree(&[
+        (
+            "printed",
+            &["drive.output=ring", "drive.output_torque_n_m=-20"],
             LIMIT,
             None,
         ),
@@ -204,17 +223,11 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
             LIMIT,
             None,
         ),
-        (
-            "rv-40e-like",
-            &[
-                "contact.friction_coefficient=0.05",
-                "gear.external_sleeves_turn=false",
-            ],
-            OVER_PART_OF_A_MESH,
-            None,
-        ),
-    ];
-    for (name, sets, limit, published) in gears {
+    ]);
+}
+
+fn agree(gears: &[Row]) {
+    for &(name, sets, limit, published) in gears {
         let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
         let scene = match name {
             "printed" => Scene::from_toml(PRINTED, "printed", &sets).unwrap(),

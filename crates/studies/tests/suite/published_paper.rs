@@ -122,6 +122,7 @@ fn published_figures() {
             "backlash-50",
             "backlash-contact-time",
             "backlash-internal-25",
+            "time",
             "contact-onset",
         ],
     );

@@ -53,8 +53,16 @@ fn atlas_of_steel() {
 /// An explicit method that would need 1e10 steps says so after twenty thousand.
 #[test]
 fn hard_hopeless_runs_end_loudly() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dust.toml");
+    // Pins so light that the first steps show it.
+    let pin = "{ mass_kg = 6e-9, moment_kg_m2 = 1e-16 }";
+    let text = format!(
+        "base = \"hard-feather-sleeves\"\nmass.internal_sleeve = {pin}\nmass.external_sleeve = {pin}\n"
+    );
+    std::fs::write(&file, text).unwrap();
     let mut options = Options {
-        scenes: vec!["hard-feather-sleeves".to_owned()],
+        scenes: vec![file.to_str().unwrap().to_owned()],
         longest_s: 0.0001,
         ..Options::default()
     };
