@@ -228,16 +228,26 @@ const SERVED: &[Served] = &[
     Served { scene: "hard-zero-load-friction", by: "auto", bound: 0.0 },
 ];
 
-/// A method solves every hard preset within a stated bound of a converged run (`dopri5` at 1e-9; with friction `imex2` at
-/// 2.5e-7 s; with points RK4 at 5e-7 s).
+/// A method solves every third hard preset within a stated bound of a converged run (`dopri5` at 1e-9; with friction `imex2` at
+/// 2.5e-7 s; with points RK4 at 5e-7 s). The baseline judges nearly all of them, too.
 #[test]
 fn hard_presets_are_served_within_their_bounds() {
+    served(3);
+}
+
+#[test]
+#[ignore = "weekly: 7 s for every hard preset"]
+fn hard_presets_are_all_served_within_their_bounds() {
+    served(1);
+}
+
+fn served(every: usize) {
     let hard = PRESETS.iter().map(|preset| preset.name);
     let hard: Vec<&str> = hard.filter(|name| name.starts_with("hard-")).collect();
     let listed: Vec<&str> = SERVED.iter().map(|row| row.scene).collect();
     assert_eq!(listed, hard, "every hard preset has its row");
     let mut exceeded = Vec::new();
-    for row in SERVED {
+    for row in SERVED.iter().step_by(every) {
         let at = |integrator: &str, step: &str, tolerance: &str| {
             let settings = [
                 ("solver.duration_s", "0.01"),
