@@ -1,5 +1,7 @@
 //! Hard cases: suitable methods succeed, the others fail with an error.
 
+#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
+
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
 use pinwheel_tests::runs::{self, attempt, scene, whole as run};

@@ -226,6 +226,7 @@ fn regress_efficiency_of_dear_gears_by_statics_is_that_of_a_run() {
     ]);
 }
 
+#[allow(clippy::print_stdout, reason = "measured figures")]
 fn agree(gears: &[Row]) {
     for &(name, sets, limit, published) in gears {
         let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
