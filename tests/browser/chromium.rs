@@ -158,11 +158,14 @@ impl Chromium {
         let options = json!({"targetId": target["targetId"], "flatten": true});
         let attached = self.call("Target.attachToTarget", options);
         self.session = attached["sessionId"].as_str().map(str::to_owned);
-        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
+        for domain in [
+            "Page.enable",
+            "Runtime.enable",
+            "Log.enable",
+            "Performance.enable",
+        ] {
             self.call(domain, json!({}));
         }
-        // Durations are processor time, independent of other load.
-        self.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
         context
     }
 
@@ -303,7 +306,7 @@ impl Chromium {
         value.as_str().unwrap_or_default().to_owned()
     }
 
-    /// Returns `LayoutCount`, `ThreadTime` (processor seconds) and other counts of the page's main thread.
+    /// Returns `LayoutCount` and other counts of the page's main thread.
     pub(crate) fn metrics(&mut self) -> BTreeMap<String, f64> {
         let got = self.call("Performance.getMetrics", json!({}));
         let list = got["metrics"].as_array().unwrap();

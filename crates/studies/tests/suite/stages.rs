@@ -881,7 +881,6 @@ fn judges_random_gears() {
             found.sentence()
         );
     }
-    println!("{named} of {judged}");
     assert!(named >= 6 && named + 1 >= judged, "{named} of {judged}");
 }
 

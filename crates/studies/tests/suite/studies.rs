@@ -56,10 +56,8 @@ fn hard_hopeless_runs_end_loudly() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("dust.toml");
     // Pins so light that the first steps show it.
-    let pin = "{ mass_kg = 6e-9, moment_kg_m2 = 1e-16 }";
-    let text = format!(
-        "base = \"hard-feather-sleeves\"\nmass.internal_sleeve = {pin}\nmass.external_sleeve = {pin}\n"
-    );
+    let text = "base = \"hard-feather-sleeves\"\nmass.internal_sleeve = { mass_kg = 6e-9, moment_kg_m2 = 1e-16 }\n\
+                mass.external_sleeve = { mass_kg = 6e-9, moment_kg_m2 = 1e-16 }\n";
     std::fs::write(&file, text).unwrap();
     let mut options = Options {
         scenes: vec![file.to_str().unwrap().to_owned()],
