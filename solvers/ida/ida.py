@@ -20,13 +20,19 @@ import json
 import os
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 # Matrices of 282 rows: threads would wait for each other longer than they compute.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import numpy as np
-import sksundae as sun
+# sksundae names a function of scipy.optimize for sparse Jacobians, and loading that takes half of the start.
+for name in ("scipy.optimize", "scipy.optimize._numdiff"):
+    sys.modules[name] = ModuleType(name)
+vars(sys.modules["scipy.optimize._numdiff"])["group_columns"] = None
+
+import numpy as np  # noqa: E402
+import sksundae as sun  # noqa: E402
 
 FINISHED, FAILED, DIVERGED, USAGE = 0, 1, 3, 1
 INPUT, OUTPUT = 0, 1

@@ -28,10 +28,12 @@ const NAMES: [&str; 7] = [
 const START: &str = "P=$(mktemp -d) && \"$0\" \"$@\" --user-data-dir=\"$P\" 3<&0 4>&1 </dev/null >/dev/null 2>&1; rm -rf \"$P\"";
 /// Browsers without a test.
 static IDLE: Mutex<Vec<Chromium>> = Mutex::new(Vec::new());
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 10] = [
     "--headless=new",
     "--remote-debugging-pipe",
     "--no-first-run",
+    // Its first page would take a quarter of its start.
+    "--no-startup-window",
     "--no-default-browser-check",
     "--disable-gpu",
     "--disable-dev-shm-usage",
@@ -117,6 +119,7 @@ impl Chromium {
             .args(FLAGS)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
+            .stderr(Stdio::null()) // held by nobody when the test has ended
             .spawn()
             .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
         let (sender, answers) = channel();
@@ -155,11 +158,14 @@ impl Chromium {
         let options = json!({"targetId": target["targetId"], "flatten": true});
         let attached = self.call("Target.attachToTarget", options);
         self.session = attached["sessionId"].as_str().map(str::to_owned);
-        for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
+        for domain in [
+            "Page.enable",
+            "Runtime.enable",
+            "Log.enable",
+            "Performance.enable",
+        ] {
             self.call(domain, json!({}));
         }
-        // Durations are processor time, independent of other load.
-        self.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
         context
     }
 
@@ -300,7 +306,7 @@ impl Chromium {
         value.as_str().unwrap_or_default().to_owned()
     }
 
-    /// Returns `LayoutCount`, `ThreadTime` (processor seconds) and other counts of the page's main thread.
+    /// Returns `LayoutCount` and other counts of the page's main thread.
     pub(crate) fn metrics(&mut self) -> BTreeMap<String, f64> {
         let got = self.call("Performance.getMetrics", json!({}));
         let list = got["metrics"].as_array().unwrap();

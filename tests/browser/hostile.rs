@@ -58,7 +58,7 @@ fn browser_shows_hostile_names_as_names() {
             );
             browser.open(&dir.join("o/index.html"), DESK);
             browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)");
-            browser.evaluate("new Promise((r) => setTimeout(r, 400))");
+            browser.evaluate("new Promise((r) => setTimeout(r, 100))");
             let found = browser.evaluate(LOOK);
             let title = found[0].as_str().unwrap();
             assert!(

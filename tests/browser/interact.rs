@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::chromium::{Chromium, DESK, PHONE};
 
 /// Waits until the chart is drawn.
-const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
+pub(crate) const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
 
 /// Returns centre and size of an element, or of the first line of wrapped text, scrolled into view.
 pub(crate) fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {

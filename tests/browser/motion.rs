@@ -1,7 +1,5 @@
 //! Animation of the gearbox: motion and stops, cost of a frame in the browser, no work while invisible. Work is counted,
-//! not timed; times are printed (`-- --nocapture`).
-
-#![allow(clippy::print_stdout, reason = "measured figures")]
+//! not timed.
 
 use std::path::Path;
 
@@ -90,9 +88,9 @@ const COUNT: &str = r#"(() => {
   window.requestAnimationFrame = (callback) => {
     count.requests += 1;
     return request((stamp) => {
-      const [before, began] = [{ ...count }, performance.now()];
+      const before = { ...count };
       callback(stamp);
-      const frame = { stamp, script: performance.now() - began };
+      const frame = {};
       for (const key of Object.keys(count)) frame[key] = count[key] - before[key];
       frames.push(frame);
     });
@@ -113,19 +111,13 @@ const FRAMES: &str = r#"(async () => {
 const THESE: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-  for (let k = 0; k < 2400 && frames.length < 40; k += 1) await wait(50);
-  const sorted = (values) => [...values].sort((a, b) => a - b);
-  const middle = (values) => { const v = sorted(values); return [v[Math.floor(0.5 * v.length)], v[Math.floor(0.95 * v.length)]]; };
+  for (let k = 0; k < 2400 && frames.length < 20; k += 1) await wait(50);
   const most = (key) => Math.max(...frames.map((f) => f[key]));
   return {
     frames: frames.length, changes: count.changes,
     points: most('points'), paints: most('paints'), paths: most('paths'), texts: most('texts'), reads: most('reads'), requests: most('requests'),
     idle: frames.filter((f) => f.paints === 0).length,
-    script_ms: middle(frames.map((f) => f.script)),
-    interval_ms: middle(frames.slice(1).map((f, k) => f.stamp - frames[k].stamp)),
-    size: host_size(),
   };
-  function host_size() { const c = document.querySelector('.gearbox-view canvas'); return [c.width, c.height]; }
 })()"#;
 
 /// A frame takes a bounded number of pen strokes, makes no path, and reads no layout.
@@ -145,18 +137,7 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     let number = |key: &str| seen[key].as_f64().unwrap();
     let frames = number("frames");
     let spent = |key: &str| after[key] - before[key];
-    println!(
-        "gearbox of {}: {frames} frames; script {} ms (median, 95 %), frames apart {} ms; main thread {:.2} ms of processor time \
-         a frame; {:.2} layouts a frame; at most {} points, {} strokes of the pen a frame",
-        seen["size"],
-        seen["script_ms"],
-        seen["interval_ms"],
-        1e3 * spent("ThreadTime") / frames,
-        spent("LayoutCount") / frames,
-        seen["points"],
-        seen["paints"],
-    );
-    assert!(frames >= 40.0, "it does not play: {seen}");
+    assert!(frames >= 20.0, "it does not play: {seen}");
     assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
     assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
     for key in ["paths", "texts", "reads"] {
@@ -224,13 +205,13 @@ pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
       let [stamp, drawn] = [1e6, 0];
       window.requestAnimationFrame = (callback) => setTimeout(() => { stamp += 40; drawn += 1; callback(stamp); }, 0);
       host.scrollIntoView();
-      for (let k = 0; k < 2400 && drawn < 60; k += 1) await wait(10);
+      for (let k = 0; k < 2400 && drawn < 30; k += 1) await wait(10);
       const wide = Math.round(canvas.clientWidth);
       const playing = canvas.width;
       host.querySelector('.play').click();
       const resting = canvas.width;
       host.querySelector('.play').click();
-      return [drawn >= 60, playing / wide, resting / wide, canvas.width / wide];
+      return [drawn >= 30, playing / wide, resting / wide, canvas.width / wide];
     })()"#;
     browser.open(page, MOVING);
     assert_eq!(browser.evaluate(WATCH), serde_json::json!([true, 1, 2, 1]));

@@ -7,22 +7,26 @@ use pinwheel_tests::{repository, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::{Value, json};
 
-use crate::chromium::{Chromium, browse};
-use crate::flawless;
+use crate::chromium::{Chromium, DESK, PHONE, browse};
+use crate::interact::DRAWN;
+use crate::{faults, flawless};
 
-/// Runs a study in `dir` and returns its page.
+/// Runs a study in `dir` and returns its page, in a folder named after the command.
 fn page(dir: &Path, typed: &str) -> PathBuf {
-    let done = run_in(dir, words(typed).iter().chain(&["--out", "o"]));
+    let words = words(typed);
+    let out = ["--force", "--out", words[0]];
+    let done = run_in(dir, words.iter().chain(&out));
     assert_eq!(done.code, Some(0), "{typed} {done:?}");
-    dir.join("o/index.html")
+    dir.join(words[0]).join("index.html")
 }
 
-fn summary(dir: &Path) -> Value {
-    serde_json::from_str(&fs::read_to_string(dir.join("o/summary.json")).unwrap()).unwrap()
+fn summary(page: &Path) -> Value {
+    let file = page.with_file_name("summary.json");
+    serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
 #[test]
-fn browser_shows_the_bench() {
+fn browser_shows_the_bench_and_the_stability() {
     browse(|browser, dir| {
         let typed = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 \
                      --set solver.duration_s=0.005";
@@ -33,18 +37,27 @@ fn browser_shows_the_bench() {
               document.querySelectorAll('details.depth').length >= 3, document.querySelector('.banner').className]",
         );
         assert_eq!(seen, json!([true, true, "banner finding"]));
+        for (name, stiffness) in [("soft", 0.01), ("stiff", 4.0)] {
+            let scene = format!(
+                "base = \"paper\"\nname = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.001\n"
+            );
+            fs::write(dir.join(format!("{name}.toml")), scene).unwrap();
+        }
+        let page = page(dir, "stability soft.toml stiff.toml --quick");
+        flawless(browser, &page, [0, 0, 4]);
     });
 }
 
+/// A map of two axes; of three, a panel, with its value, for each value of the third.
 #[test]
-fn browser_shows_a_sweep() {
+fn browser_shows_sweeps() {
     browse(|browser, dir| {
         let sweep = "name = \"small\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n[vary]\n\
                      gear.backlash_m = [0.0, 2.0e-4, 4.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\n";
         fs::write(dir.join("small.toml"), sweep).unwrap();
-        let page = page(dir, "sweep small.toml");
-        flawless(browser, &page, [0, 0, 2]);
-        browser.open(&page, crate::DESK);
+        let small = page(dir, "sweep small.toml");
+        flawless(browser, &small, [0, 0, 2]);
+        browser.open(&small, DESK);
         let seen = browser.evaluate(
             "[document.querySelector('.heat-map').getBoundingClientRect().bottom < 900, document.querySelectorAll('details.depth:not([open])').length, \
               document.querySelector('.banner .headline').textContent.startsWith('Ring pin force, peak: '), document.body.textContent.includes('did not finish')]",
@@ -53,7 +66,7 @@ fn browser_shows_a_sweep() {
         // Two axes give a map; lines, other axes and figures are selectable.
         let seen = browser.evaluate(
             "(async () => {
-              const rest = () => new Promise((r) => setTimeout(r, 200));
+              const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)));
               const maps = () => document.querySelectorAll('.heat-map').length;
               const plots = () => document.querySelectorAll('.grid .uplot').length;
               const select = (k, value) => { const s = document.querySelectorAll('.grid select')[k]; s.value = value; s.dispatchEvent(new Event('change')); };
@@ -72,17 +85,13 @@ fn browser_shows_a_sweep() {
         );
         assert_eq!(seen, json!([1, 0, 6, 0, 1, 2, 3, 1, "1"]));
         browser.assert_quiet();
-    });
-}
-
-/// A panel, with its value, for each value of a third axis.
-#[test]
-fn browser_shows_a_sweep_over_three_axes() {
-    browse(|browser, dir| {
         let sweep = "name = \"three\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.005\n[vary]\n\
                      gear.backlash_m = [0.0, 2.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\ndrive.output_torque_n_m = [11.0, 22.0, 33.0]\n";
         fs::write(dir.join("three.toml"), sweep).unwrap();
-        flawless(browser, &page(dir, "sweep three.toml"), [0, 0, 3]);
+        browser.open(&page(dir, "sweep three.toml"), PHONE);
+        assert!(browser.sheets() <= 3);
+        let (found, _) = faults(browser, PHONE);
+        assert!(found.is_empty(), "{found:#?}");
         let seen = browser.evaluate(
             "(() => {
               const maps = [...document.querySelectorAll('.grid .scroll')];
@@ -119,8 +128,8 @@ fn browser_shows_measured_data() {
         let typed = "compare rigged.toml --engines native-reduced --against rig.csv --map rig.toml";
         let page = page(dir, typed);
         flawless(browser, &page, [2, 1, 5]);
-        browser.open(&page, crate::DESK);
-        browser.evaluate("new Promise((r) => setTimeout(r, 600))");
+        browser.open(&page, DESK);
+        browser.evaluate(DRAWN);
         let seen = browser.evaluate(
             "({
               first: document.querySelector('[id^=track] h2').textContent,
@@ -150,9 +159,10 @@ fn browser_shows_a_run() {
     browse(|browser, dir| {
         let page = page(dir, "run paper --set solver.duration_s=0.02");
         flawless(browser, &page, [1, 1, 3]);
-        browser.open(&page, crate::DESK);
+        browser.open(&page, DESK);
+        browser.evaluate(DRAWN);
         let seen = browser.evaluate(
-            "(async () => { await new Promise((r) => setTimeout(r, 600)); const tiles = [...document.querySelectorAll('.decision .tile')]; \
+            "(() => { const tiles = [...document.querySelectorAll('.decision .tile')]; \
              return { asked: tiles.map((t) => t.querySelector('.label').textContent), next: tiles.at(-1).querySelector('code').textContent, \
              fits: tiles.every((t) => t.getBoundingClientRect().bottom < 900), plots: document.querySelectorAll('#chart .uplot').length }; })()",
         );
@@ -166,8 +176,7 @@ fn browser_shows_a_run() {
 #[test]
 fn browser_shows_a_design() {
     browse(|browser, dir| {
-        let typed = "design paper-friction --set solver.duration_s=0.001";
-        flawless(browser, &page(dir, typed), [7, 1, 5]);
+        flawless(browser, &page(dir, "design printed-drive"), [7, 1, 6]);
         // Names in backticks are code, in the lead too.
         let lead = browser.text("document.querySelector('.lead').innerHTML");
         assert!(lead.contains("<code>") && !lead.contains('`'), "{lead}");
@@ -185,11 +194,8 @@ fn browser_shows_two_designs() {
         fs::write(dir.join("other.toml"), other).unwrap();
         let paper = "base = \"paper\"\nname = \"tight\"\n[drive]\ninput_speed_rad_s = 20.0\n[solver]\nduration_s = 0.01\n";
         fs::write(dir.join("paper.toml"), paper).unwrap();
-        flawless(
-            browser,
-            &page(dir, "compare paper.toml other.toml"),
-            [8, 1, 7],
-        );
+        let page = page(dir, "compare paper.toml other.toml");
+        flawless(browser, &page, [8, 1, 7]);
         let tiles = [
             "Is it right?",
             "Will it bear?",
@@ -197,7 +203,7 @@ fn browser_shows_two_designs() {
             "pinwheel compare other.toml",
         ];
         assert_eq!(decided(browser), json!(tiles));
-        let summary = summary(dir);
+        let summary = summary(&page);
         let windows = summary["courses"].as_object().unwrap().values();
         for row in windows.flat_map(|rows| rows.as_array().unwrap()) {
             let values = row["values"].as_array().unwrap();
@@ -215,27 +221,14 @@ fn browser_shows_two_designs() {
             "(async () => {
               const choose = (id, value) => { const s = document.getElementById(id); s.value = value; s.dispatchEvent(new Event('change')); };
               choose('quantity', [...document.querySelectorAll('#quantity option')].findIndex((o) => o.textContent === 'Ring pin force'));
+              delete document.body.dataset.drawn;
               choose('channel', '13');
-              await new Promise((r) => setTimeout(r, 500));
+              for (let k = 0; k < 100 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 20));
               return document.body.dataset.drawn;
             })()",
         );
         assert_eq!(drawn, "Ring pin force no. 13");
         browser.assert_quiet();
-    });
-}
-
-#[test]
-fn browser_shows_the_stability() {
-    browse(|browser, dir| {
-        for (name, stiffness) in [("soft", 0.01), ("stiff", 4.0)] {
-            let scene = format!(
-                "base = \"paper\"\nname = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.001\n"
-            );
-            fs::write(dir.join(format!("{name}.toml")), scene).unwrap();
-        }
-        let page = page(dir, "stability soft.toml stiff.toml --quick");
-        flawless(browser, &page, [0, 0, 4]);
     });
 }
 
@@ -264,8 +257,9 @@ fn browser_shows_a_baseline() {
 #[test]
 fn browser_shows_the_paper() {
     browse(|browser, dir| {
-        flawless(browser, &page(dir, "paper --figures 9"), [2, 1, 9]);
-        let summary = summary(dir);
+        let page = page(dir, "paper --figures 9");
+        flawless(browser, &page, [2, 1, 9]);
+        let summary = summary(&page);
         assert_eq!(summary["figures"][0]["verdict"], "holds");
         // The counts of the first screen include all rows.
         let banner = browser.text("document.querySelector('.banner').innerText");
@@ -278,11 +272,11 @@ fn browser_shows_the_paper() {
         assert_eq!(holds + sometimes + not + meaningless, all, "{banner}");
         assert_eq!(all, rows("figures") + rows("claims"), "{banner}");
         // Wider gearboxes would take a printed sheet each.
-        browser.look(crate::DESK);
+        browser.look(DESK);
         browser.media("print");
         let wide = browser.evaluate("document.querySelector('.gearbox-view canvas').clientWidth");
         assert!(wide.as_u64().unwrap() < 250, "{wide} px wide");
-        let time_series = fs::read_to_string(dir.join("o/fig-09a/courses.csv")).unwrap();
+        let time_series = fs::read_to_string(page.with_file_name("fig-09a/courses.csv")).unwrap();
         assert!(time_series.starts_with("time_s,") && time_series.lines().count() > 1000);
     });
 }

@@ -27,7 +27,7 @@ fn follows(gears: &[(&str, [f64; 2])]) {
     let environment =
         environment(ENGINES, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
     for &(preset, limits) in gears {
-        let rated = scene(preset, &[]);
+        let rated = scene(preset, &[("contact.band_laws", "[]")]);
         let period = std::f64::consts::TAU / Scales::of(&rated).modes_rad_s[0];
         let load = rated.drive.output_torque_n_m;
         let mut course = rated.clone();

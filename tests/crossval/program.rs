@@ -68,7 +68,7 @@ fn crossval_python_program_stops_when_asked() {
         (engine, dir, child)
     });
     // Python is loading, or already steps: both must end.
-    std::thread::sleep(Duration::from_secs(2));
+    std::thread::sleep(Duration::from_millis(700));
     for (engine, dir, child) in started {
         interrupt(&child);
         let outcome = Outcome::from(child.wait_with_output().unwrap());

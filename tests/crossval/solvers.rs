@@ -265,19 +265,19 @@ fn crossval_solvers_other_scenes() {
         ("contact.friction_coefficient", "0.05"),
     ];
     other_scenes(&[
-        ("hard-load-doubled", "0.005", &[], [2e-6, 1.2e-5]),
         ("hard-load-reversal", "0.009", &[], [6e-6, 1.6e-5]),
         ("paper", "0.003", &equilibrium, [4e-6, 5e-6]),
         ("eleven-pins", "0.005", &[], [1.5e-6, 8e-6]),
-        ("backlash-0.6", "0.005", &[], [2e-6, 4e-6]),
         ("one-wheel", "0.003", &[], [2e-6, 6e-6]),
     ]);
 }
 
 #[test]
-#[ignore = "weekly: 9 s for two scenes more"]
-fn crossval_solvers_dear_scenes() {
+#[ignore = "weekly: 12 s for four scenes more"]
+fn crossval_solvers_more_scenes() {
     other_scenes(&[
+        ("hard-load-doubled", "0.005", &[], [2e-6, 1.2e-5]),
+        ("backlash-0.6", "0.005", &[], [2e-6, 4e-6]),
         ("forty-pins", "0.006", &[], [1e-6, 5e-6]),
         ("steel", "0.006", &[], [1e-6, 4e-4]),
     ]);
@@ -287,7 +287,7 @@ fn crossval_solvers_dear_scenes() {
 #[test]
 fn crossval_solvers_repeat_to_the_bit() {
     let simbody = simbody();
-    let scene = scene("paper-friction", &[("solver.duration_s", "0.002")]);
+    let scene = scene("paper-friction", &[("solver.duration_s", "0.0005")]);
     for engine in [SIMBODY, IDA] {
         if engine == IDA || simbody {
             let [a, b] = [(); 2].map(|()| run(engine, &scene));

@@ -193,6 +193,7 @@ fn crossval_limits_hold_with_backlash() {
 
 /// rapier's shared law has explicit friction, and native engines have no limit with friction at this step.
 #[test]
+#[ignore = "weekly: 8 s; `crossval_rapier` judges both engines"]
 fn crossval_limits_hold_with_friction() {
     holds("paper-friction", &OURS[3..], &[]);
 }

@@ -1,5 +1,7 @@
 //! Hard cases: suitable methods succeed, the others fail with an error.
 
+#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
+
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
 use pinwheel_tests::runs::{self, attempt, scene, whole as run};
@@ -30,8 +32,9 @@ fn hard_presets_run_or_say_why() {
         .collect();
     assert!(hard.len() > 20);
     for name in hard {
-        // The long run has its own test below.
-        let limit = [("solver.duration_s", "0.01")];
+        // The long run has its own test below. Constraints make feathers a hundred times as dear as any other preset.
+        let limit = ["0.01", "0.0005"][usize::from(name == "hard-feather-sleeves")];
+        let limit = [("solver.duration_s", limit)];
         for engine in ["native-reduced", "native-lagrange"] {
             let run = attempt(engine, &scene(name, &limit));
             match run.ending {
@@ -53,12 +56,10 @@ fn hard_presets_run_or_say_why() {
                     assert!(largest < 2.2e4, "{name}, {engine}: {largest} N");
                 }
                 Ending::Diverged { time_s, quantity } => {
-                    println!("{name}, {engine}: diverged at {time_s} s: {quantity}");
                     assert_eq!(name, "hard-steel", "{engine}: {quantity}");
                     assert!(time_s < 0.01 && run.time_series.len() < 101);
                 }
                 Ending::Unsupported { reason } => {
-                    println!("{name}, {engine}: {reason}");
                     assert!(!reason.is_empty());
                 }
                 other => panic!("{name}, {engine}: {other}"),
@@ -224,16 +225,26 @@ const SERVED: &[Served] = &[
     Served { scene: "hard-zero-load-friction", by: "auto", bound: 0.0 },
 ];
 
-/// A method solves every hard preset within a stated bound of a converged run (`dopri5` at 1e-9; with friction `imex2` at
-/// 2.5e-7 s; with points RK4 at 5e-7 s).
+/// A method solves every third hard preset within a stated bound of a converged run (`dopri5` at 1e-9; with friction `imex2` at
+/// 2.5e-7 s; with points RK4 at 5e-7 s). The baseline judges nearly all of them, too.
 #[test]
 fn hard_presets_are_served_within_their_bounds() {
+    served(3);
+}
+
+#[test]
+#[ignore = "weekly: 7 s for every hard preset"]
+fn hard_presets_are_all_served_within_their_bounds() {
+    served(1);
+}
+
+fn served(every: usize) {
     let hard = PRESETS.iter().map(|preset| preset.name);
     let hard: Vec<&str> = hard.filter(|name| name.starts_with("hard-")).collect();
     let listed: Vec<&str> = SERVED.iter().map(|row| row.scene).collect();
     assert_eq!(listed, hard, "every hard preset has its row");
     let mut exceeded = Vec::new();
-    for row in SERVED {
+    for row in SERVED.iter().step_by(every) {
         let at = |integrator: &str, step: &str, tolerance: &str| {
             let settings = [
                 ("solver.duration_s", "0.01"),

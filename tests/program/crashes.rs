@@ -1,6 +1,6 @@
 //! Kills at random moments, over all commands that write: no torn file, no lost data, and remains are reported.
 //!
-//! `PINWHEEL_KILLS=20` sets the number of kills of every command (3), `PINWHEEL_KILLS_SEED` the moments, and
+//! `PINWHEEL_KILLS=20` sets the number of kills of every command (2), `PINWHEEL_KILLS_SEED` the moments, and
 //! `PINWHEEL_KILLS_ONLY=init` a single command.
 #![cfg(unix)]
 
@@ -15,7 +15,7 @@ use pinwheel::studies::rng::Rng;
 use pinwheel_tests::{names_in, pinwheel};
 
 /// Number of kills of every command in an ordinary run.
-const KILLS: u64 = 3;
+const KILLS: u64 = 2;
 const SIGNALS: [&str; 3] = ["KILL", "TERM", "INT"];
 
 /// Command that writes `out`.
@@ -276,7 +276,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
                 .unwrap_or_default();
         }
         let earlier = fresh.then(BTreeMap::new).unwrap_or_else(|| content(&out));
-        let signal = SIGNALS[number % 3];
+        let signal = SIGNALS[(3.0 * random.share()) as usize];
         let mut words = writer.words();
         // An interrupted sweep needs an option.
         let begun = dir.join("out.unfinished").exists();

@@ -318,8 +318,7 @@ fn regress_keys_that_do_nothing_are_named() {
     for typed in [
         "design paper --out r --force --statics --set drive.output_torque_n_m=20",
         // No figure of statics depends on these.
-        "design paper --out r --force --set mass.wheel.mass_kg=0.7",
-        "design paper --out r --force --set contact.band_laws=[\"kunert\"]",
+        "design paper --out r --force --set mass.wheel.mass_kg=0.7 --set contact.band_laws=[\"kunert\"]",
         "explain paper --set gear.hole_radius_m=0.00881",
         &format!("explain paper {later}"),
     ] {

@@ -1,7 +1,7 @@
 //! The targets without a fuzzer: as many inputs as fit the time, by fixed seeds.
 //!
 //! ```text
-//! PINWHEEL_FUZZ_S=600       time of all targets together, s (2)
+//! PINWHEEL_FUZZ_S=600       time of all targets together, s (1)
 //! PINWHEEL_FUZZ_ONLY=scene  one target, or with `scene:123` one of its inputs
 //! PINWHEEL_FUZZ_FROM=50000  number of the first input (0): to go on where a run ended
 //! ```
@@ -82,7 +82,7 @@ fn fuzz(
 
 #[test]
 fn bad_input_any_bytes_end_in_a_result_or_a_message() {
-    let seconds: f64 = variable("PINWHEEL_FUZZ_S").map_or(2.0, |s| s.parse().expect("seconds"));
+    let seconds: f64 = variable("PINWHEEL_FUZZ_S").map_or(1.0, |s| s.parse().expect("seconds"));
     let from: u64 = variable("PINWHEEL_FUZZ_FROM").map_or(0, |n| n.parse().expect("a number"));
     let only = variable("PINWHEEL_FUZZ_ONLY");
     let (name, one) = match only

@@ -47,6 +47,8 @@ static double key(const char *name, double otherwise)
 static double dot(point a, point b) { return creal(a * conj(b)); }
 static double cross(point a, point b) { return cimag(conj(a) * b); }
 static point unit(double a) { return CMPLX(cos(a), sin(a)); }
+/* A turn by a small angle. */
+static point slight(double a) { return CMPLX(1.0 - 0.5 * a * a, a); }
 static double within(double x, double low, double high) { return fmin(fmax(x, low), high); }
 
 /* One contact: point w and normal n (from the sleeve) in the ground frame, penetration, effective radius. */
@@ -73,48 +75,41 @@ static void touch(int wheel, int sleeve, point w, point n, double depth, double 
     turning[sleeve] += cross(w - place[sleeve], pull), turning[wheel] -= cross(w - place[wheel], pull);
 }
 
-/* The profile against a ring pin, whose centre is p in the wheel's frame. */
-static void on_profile(int wheel, int sleeve, point p)
+/* The profile against a ring pin; `back` turns the ground frame into the wheel's. */
+static void on_profile(int wheel, int sleeve, point back)
 {
     static double e, big, m, q, cut;
     static int zk;
-    double polar = carg(p), a = polar, depth, kappa, c, radius;
-    point turn, wave, first, second, n;
+    /* The generating curve C(a) = R e^ia + e e^(i zk a): where the pin's centre lies on it, R e^ia is that centre from the axis. */
+    double a = carg(place[sleeve] * back), depth, kappa, c, radius;
+    point p = (place[sleeve] - place[wheel]) * back, turn, wave, first, second, n;
     int k;
     if (!zk) {
         zk = outer, e = key("eccentricity_m", 0), q = key("external_sleeve_radius_m", 0);
         cut = q + key("equidistant_m", 0);
         big = e * zk / key("shortening", 1) + key("radial_m", 0), m = e * zk / big;
     }
-    /* The generating curve C(a) = R e^ia + e e^(i zk a): the point at the same polar angle, then the nearest one. Newton squares
-     * an error of a: after a small correction no other is needed. */
-    for (k = 0; k < 60; k++) {
-        wave = 1.0 + m / zk * unit((zk - 1) * a);
-        c = (a - polar + carg(wave)) * dot(wave, wave) / (dot(wave, wave) + (zk - 1) * (creal(wave) - 1.0 + m / zk * m / zk));
-        a -= c;
-        if (fabs(c) < 1e-6)
-            break;
-    }
-    if (cabs(p) > cabs(big + e * unit((zk - 1) * a)) + 3.0 * fmax(q - cut, 0.0))
-        return;
+    /* Newton squares an error of a: after a small correction no other is needed. */
     for (k = 0; k < 60; k++) {
         turn = unit(a), wave = unit((zk - 1) * a);
         first = I * big * turn * (1.0 + m * wave), second = -big * turn * (1.0 + zk * m * wave);
         n = p - turn * (big + e * wave);
         c = dot(n, first) / (dot(first, first) - dot(n, second));
         a += c;
-        if (fabs(c) < 1e-9)
+        if (fabs(c) < 1e-6)
             break;
     }
-    turn = unit(a), wave = unit((zk - 1) * a);
+    turn *= slight(c), wave *= slight((zk - 1) * c);
     n = turn * (1.0 + m * wave) / cabs(1.0 + m * wave);
     depth = q - cut - dot(p - turn * (big + e * wave), n);
+    if (depth <= 0.0)
+        return;
     c = creal(wave);
     kappa = (1.0 + zk * m * m + (zk + 1) * m * c) / (big * pow(1.0 + m * m + 2.0 * m * c, 1.5));
     radius = q * (1.0 - cut * kappa) / (1.0 + (q - cut) * kappa);
     if (kappa < 0.0 && has("curvature")) /* a pit as if it were a hill of its radius */
         radius = q * (cut - 1.0 / kappa) / (q + cut - 1.0 / kappa);
-    wave = turn * (big + e * wave) - cut * n, turn = unit(angle[wheel]);
+    wave = turn * (big + e * wave) - cut * n, turn = conj(back);
     touch(wheel, sleeve, place[wheel] + turn * wave, -turn * n, depth, radius);
 }
 
@@ -134,9 +129,10 @@ static void evaluate(double t, const double *y, double *slope)
     }
     for (k = 2; k < 2 + wheels; k++) {
         double start = (M_PI - 2 * M_PI * (k - 2) / wheels) / (outer - 1);
+        point back = unit(-angle[k]);
         for (j = 2 + wheels; j < 2 + wheels + outer; j++)
             if (!has("search") || j != 2 + wheels + 3)
-                on_profile(k, j, (place[j] - place[k]) * unit(-angle[k]));
+                on_profile(k, j, back);
         for (j = 0; j < inner; j++) {
             int sleeve = 2 + wheels + outer + j;
             point hole = place[k] + circle * unit((2 * M_PI * j / inner - start + angle[k]));

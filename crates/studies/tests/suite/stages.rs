@@ -850,7 +850,7 @@ fn accuses_nobody() {
 fn judges_random_gears() {
     let wrong = with(|s| s.fault = Some(Fault::Stiffness));
     let (mut judged, mut named) = (0, 0);
-    for number in 0..20 {
+    for number in 0..12 {
         let Some(mut scene) = gear(number) else {
             continue;
         };
@@ -881,8 +881,7 @@ fn judges_random_gears() {
             found.sentence()
         );
     }
-    println!("{named} of {judged}");
-    assert!(named >= 8 && named + 1 >= judged, "{named} of {judged}");
+    assert!(named >= 6 && named + 1 >= judged, "{named} of {judged}");
 }
 
 const ENGINES: [&str; 6] = [
@@ -890,8 +889,8 @@ const ENGINES: [&str; 6] = [
     "exudyn-shared-law-constrained",
     "exudyn-shared-law-explicit",
     "mujoco-shared-law",
-    "ida-shared-law",
     "simbody-shared-law",
+    "ida-shared-law",
 ];
 
 /// Engines of others are right, as their own tests say: prints a line a pair, and counts them.
