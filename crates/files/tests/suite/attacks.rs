@@ -221,10 +221,10 @@ fn regress_an_output_appears_whole_with_the_usual_mode() {
 fn regress_a_part_never_replaces_a_complete_output() {
     let dir = tempdir().unwrap();
     let x = dir.path().join("x");
-    let one = |whole: bool| {
+    let one = |complete: bool| {
         let folder = ask(&x, false).unwrap();
         fs::write(folder.path().join("summary.json"), "{}").unwrap();
-        let place = match whole {
+        let place = match complete {
             true => folder.publish(),
             false => folder.publish_partial(),
         };

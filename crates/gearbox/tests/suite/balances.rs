@@ -346,10 +346,10 @@ fn a_path_leads_to_the_balances_from_scratch() {
         for k in 0..40 {
             let phi = 7.03 * meshed * f64::from(k);
             let ideal = gearbox.geometry.ideal_output_angle(phi);
-            let found = path.track(&mut last, phi, load).unwrap().output - ideal;
+            let twist = path.track(&mut last, phi, load).unwrap().output - ideal;
             if k % 8 == 7 {
                 let expected = afresh.solve(phi, load).unwrap().output - ideal;
-                worst = worst.max((found / expected - 1.0).abs());
+                worst = worst.max((twist / expected - 1.0).abs());
             }
         }
         let [balances, known] = path.balances();

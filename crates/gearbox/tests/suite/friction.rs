@@ -159,13 +159,13 @@ fn published_forces_and_efficiency_of_held_pins_by_hand() {
             let Sums { s, a, w, lever_m } = sums(&gearbox, phi, load);
             let at = plain.solve(phi, load).unwrap();
             for way in [1.0, -1.0] {
-                let found = rubs.turning(way, &at, load).unwrap();
-                let on_ring = rubs.touching(&found).into_iter();
+                let balance = rubs.turning(way, &at, load).unwrap();
+                let on_ring = rubs.touching(&balance).into_iter();
                 let on_ring = on_ring.filter(|pair| matches!(pair.sleeve, Sleeve::External(_)));
                 let force = on_ring.map(|pair| pair.normal_force_n).fold(0.0, f64::max);
                 let wanted = lever_m * load / (s - way * mu * a);
                 assert!((force / wanted - 1.0).abs() < DEFORMED, "{mu} {phi} {way}");
-                let driver = rubs.driver_torque(&found, load);
+                let driver = rubs.driver_torque(&balance, load);
                 let wanted = load / zs * (1.0 + way * mu * w / (s - way * mu * a));
                 assert!((driver / wanted - 1.0).abs() < DEFORMED, "{mu} {phi} {way}");
                 if way > 0.0 {
@@ -173,9 +173,9 @@ fn published_forces_and_efficiency_of_held_pins_by_hand() {
                 }
             }
         }
-        let found = 100.0 * slow_efficiency(&gearbox, mean, load);
-        println!("mu {mu}: {found:.3} %");
-        assert!((found - percent).abs() < 0.01, "{found}");
+        let efficiency = 100.0 * slow_efficiency(&gearbox, mean, load);
+        println!("mu {mu}: {efficiency:.3} %");
+        assert!((efficiency - percent).abs() < 0.01, "{efficiency}");
     }
 }
 
@@ -228,7 +228,7 @@ fn hard_parts_that_stick_leave_a_loop() {
     }
 }
 
-/// Next to no load that gear has other balances where parts stick; from the other branch each is found. Under 3 % there is one.
+/// Next to no load that gear has other balances where parts stick; the other branch reaches each. Under 3 % there is one.
 #[test]
 fn hard_parts_that_stick_have_several_balances() {
     let scene = Scene::from_toml(SUGGESTED, "suggested", &[]).unwrap();

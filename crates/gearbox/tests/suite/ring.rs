@@ -223,11 +223,11 @@ fn crossval_a_unit_whose_ring_turns() {
     unit.advance(0.005, &|| false).unwrap();
     let mut row = Vec::new();
     unit.observe(&mut row);
-    for (channel, found) in series.channels().iter().zip(&row) {
+    for (channel, actual) in series.channels().iter().zip(&row) {
         let wanted = channel.values.last().unwrap();
         assert!(
-            (wanted - found).abs() <= 1e-6 * wanted.abs().max(1.0),
-            "{} {wanted} {found}",
+            (wanted - actual).abs() <= 1e-6 * wanted.abs().max(1.0),
+            "{} {wanted} {actual}",
             channel.name
         );
     }

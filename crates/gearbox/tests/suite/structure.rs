@@ -47,10 +47,10 @@ fn twist(gearbox: &Gearbox, phi: f64) -> f64 {
     balanced(gearbox, phi).output - gearbox.geometry.ideal_output_angle(phi)
 }
 
-fn close(found: f64, wanted: f64, tolerance: f64) {
+fn close(actual: f64, wanted: f64, tolerance: f64) {
     assert!(
-        (found / wanted - 1.0).abs() < tolerance,
-        "{found} for {wanted}"
+        (actual / wanted - 1.0).abs() < tolerance,
+        "{actual} for {wanted}"
     );
 }
 
@@ -143,15 +143,15 @@ fn published_seat_in_series() {
         .concat(),
     );
     let seat = seated.scene.ring_seat_n_m().unwrap();
-    let whole = format!(
+    let stiffness = format!(
         "contact.external_spring_n_m={}",
         1.0 / (1.0 / 2e8 + 1.0 / seat)
     );
-    let whole = gearbox(&[&linear[..], &[&whole]].concat());
+    let in_series = gearbox(&[&linear[..], &[&stiffness]].concat());
     for phi in [0.0, 0.3] {
-        close(twist(&seated, phi), twist(&whole, phi), 1e-10);
+        close(twist(&seated, phi), twist(&in_series, phi), 1e-10);
     }
-    let [one, other] = [&seated, &whole].map(|gear| {
+    let [one, other] = [&seated, &in_series].map(|gear| {
         let run = native::run(gear, &mut |_| false).unwrap();
         run.finished().unwrap().time_series
     });
@@ -227,11 +227,11 @@ fn crossval_a_run_stands_where_statics_does() {
     let (angles, times) = (run.channel("output_angle_rad").unwrap(), run.time_s());
     for (angle, time) in angles.iter().zip(times) {
         let phi = 5.0 * time;
-        let found = statics.solve(phi, gearbox.load_torque(0.0)).unwrap().output;
-        let twist = found - gearbox.geometry.ideal_output_angle(phi);
+        let balanced = statics.solve(phi, gearbox.load_torque(0.0)).unwrap().output;
+        let twist = balanced - gearbox.geometry.ideal_output_angle(phi);
         assert!(
-            (angle - found).abs() < 2e-3 * twist.abs(),
-            "{time}: {angle} {found} {twist}"
+            (angle - balanced).abs() < 2e-3 * twist.abs(),
+            "{time}: {angle} {balanced} {twist}"
         );
     }
 }
