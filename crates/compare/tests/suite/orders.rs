@@ -5,8 +5,8 @@
 use super::common;
 
 use common::Random;
-use pinwheel_compare::bound::order::{Rough, SCATTER, Step, estimate, observed_order};
-use pinwheel_compare::bound::{Basis, Method, rounding_floor};
+use pinwheel_compare::uncertainty::order::{Rough, SCATTER, Step, estimate, observed_order};
+use pinwheel_compare::uncertainty::{Basis, Method, rounding_floor};
 use proptest::prelude::*;
 
 const SMOOTH: fn(f64) -> Method = |order| Method::Step { order, rough: None };

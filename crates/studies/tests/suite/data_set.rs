@@ -89,10 +89,10 @@ fn read(case: &str, mine: &TimeSeries, limit: f64) -> (bool, String) {
     let mut command = Command::new(python);
     command.arg(folder().join("read.py")).arg(case).arg(&path);
     let output = command.arg(limit.to_string()).output().expect("Python");
-    let said = [output.stdout, output.stderr].concat();
+    let text = [output.stdout, output.stderr].concat();
     (
         output.status.success(),
-        String::from_utf8_lossy(&said).into_owned(),
+        String::from_utf8_lossy(&text).into_owned(),
     )
 }
 
@@ -101,10 +101,10 @@ fn regress_another_form_and_integrator_give_the_benchmark() {
     for (case, preset, sets) in benchmark::CASES {
         let start = std::time::Instant::now();
         let mine = again(case, preset, sets);
-        let (agrees, said) = read(case, &mine, LIMIT);
-        println!("{case}, {:.1} s\n{said}", start.elapsed().as_secs_f64());
-        assert!(agrees, "{case}: {said}");
-        // A thousandth of one force is seen, and so is a value that is none.
+        let (agrees, text) = read(case, &mine, LIMIT);
+        println!("{case}, {:.1} s\n{text}", start.elapsed().as_secs_f64());
+        assert!(agrees, "{case}: {text}");
+        // One force off by a thousandth is detected, and so is NaN.
         for factor in [1.001, f64::NAN].into_iter().filter(|_| case == "paper") {
             let mut spoiled = TimeSeries::new(mine.time_s().to_vec()).unwrap();
             for channel in mine.channels() {

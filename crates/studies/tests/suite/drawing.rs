@@ -49,18 +49,18 @@ fn drawings_lie_on_the_edge() {
         let pairs = read(&dxf);
         let numbers = |wanted: u32, layer: &str| {
             let (mut inside, mut at) = (false, "");
-            let mut found = Vec::new();
+            let mut values = Vec::new();
             for &(code, value) in &pairs {
                 match code {
                     0 => at = value,
                     8 => inside = value == layer && (layer != "edge" || at == "VERTEX"),
                     _ if inside && code == wanted => {
-                        found.push(1e-3 * value.parse::<f64>().unwrap());
+                        values.push(1e-3 * value.parse::<f64>().unwrap());
                     }
                     _ => (),
                 }
             }
-            found
+            values
         };
         let (x, y) = (numbers(10, "edge"), numbers(20, "edge"));
         assert_eq!(x.len(), drawing.corners);

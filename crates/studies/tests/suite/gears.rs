@@ -300,8 +300,7 @@ fn solver(rng: &mut Rng, scene: &mut Scene) {
     let solver = &mut scene.solver;
     solver.duration_s = duration;
     solver.sample_s = duration / SAMPLES;
-    // What a scene says without having been tuned: its steps come from its frequencies.
-    // Of those engines whose samples lie on equal steps a whole number.
+    // Steps come from the frequencies, as nobody tuned the scene. Engines with equal steps need an integer number per sample.
     solver.step_s = solver.sample_s / (solver.sample_s / (0.02 * period)).ceil();
     solver.integrator = "auto".to_owned();
 }

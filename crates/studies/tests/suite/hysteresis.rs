@@ -95,8 +95,8 @@ fn hard_a_disc_that_swings_has_no_width() {
     let load = gearbox.load_torque(1.0);
     let figures = hysteresis(&mut statics, &poses, load).unwrap();
     let [loaded, idle] = ["hysteresis_arcmin", "hysteresis_no_load_arcmin"].map(|key| {
-        let found = figures.iter().find(|figure| figure.def.key == key);
-        found.unwrap().value
+        let figure = figures.iter().find(|figure| figure.def.key == key);
+        figure.unwrap().value
     });
     assert!(loaded.unwrap() > 0.0);
     assert!(idle.is_none(), "{idle:?}");

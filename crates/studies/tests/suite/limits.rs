@@ -28,11 +28,11 @@ fn scene() -> Scene {
 }
 
 fn get<'a>(limits: &'a Limits, def: &FigureDef, of: &str) -> &'a Limit {
-    let found = limits
+    let limit = limits
         .each
         .iter()
         .find(|one| one.def.key == def.key && one.of == of);
-    found.unwrap_or_else(|| panic!("{} {of}: {limits:?}", def.key))
+    limit.unwrap_or_else(|| panic!("{} {of}: {limits:?}", def.key))
 }
 
 /// Pressures with a band, one above the endurance of rolling steel.
@@ -99,20 +99,20 @@ fn limits_of_the_softer_material() {
     assert!(!limits.each.iter().any(|one| one.of == "for endurance"));
 }
 
-/// Figures of a whole design against closed forms of its own forces.
+/// Figures of a complete design against closed forms of its own forces.
 #[test]
 fn limits_of_a_design() {
     let of = |scene: Scene| {
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
         design::run(&gearbox, false, &Control::silent(&Default::default())).unwrap()
     };
-    let found = of(scene());
+    let result = of(scene());
     let value = |def: &FigureDef| {
-        let figure = found.figures.iter().find(|one| one.is(def));
+        let figure = result.figures.iter().find(|one| one.is(def));
         figure.unwrap().value.unwrap()
     };
     let [still, _] = scene().roller_ratings_n().unwrap();
-    let force = found.most_loaded().unwrap().force_n.max;
+    let force = result.most_loaded().unwrap().force_n.max;
     assert!((value(&defs::STATIC_SAFETY) / (still / force) - 1.0).abs() < 1e-9);
     assert!(value(&defs::BEARING_LIFE) > 0.0);
     let pin = value(&defs::INTERNAL_FORCE);
@@ -125,10 +125,10 @@ fn limits_of_a_design() {
     let sheared = 1e-6 * pin / (2.0 * wall * 0.0078);
     assert!((value(&defs::WALL_SHEAR) / sheared - 1.0).abs() < 1e-6);
     assert_eq!(
-        found.limits.bears_its_load,
+        result.limits.bears_its_load,
         Answer::Yes,
         "{:?}",
-        found.limits
+        result.limits
     );
 
     // Held at both ends, the middle of a disc is a quarter of the span from its flange: F a b/L.

@@ -35,10 +35,10 @@ fn run(settings: &[(&str, &str)]) -> NativeRun {
 }
 
 /// Relative L2 distance of all pin forces.
-fn off(found: &TimeSeries, reference: &TimeSeries) -> f64 {
+fn off(actual: &TimeSeries, reference: &TimeSeries) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
-        for (a, b) in found.group(kind).iter().zip(reference.group(kind)) {
+        for (a, b) in actual.group(kind).iter().zip(reference.group(kind)) {
             for (a, b) in a.iter().zip(b) {
                 difference += (a - b).powi(2);
                 size += b * b;
@@ -63,10 +63,10 @@ fn error(integrator: &str, step: &str, tolerance: &str, formulation: &str) -> (f
         ("solver.tolerance", tolerance),
         ("solver.formulation", formulation),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     (
-        off(&found.time_series, &converged(&[])),
-        found.counts.evaluations,
+        off(&run.time_series, &converged(&[])),
+        run.counts.evaluations,
     )
 }
 
@@ -117,13 +117,13 @@ fn hard_energy_closes_over_load_changes() {
         ("solver.tolerance", "1e-10"),
         ("solver.step_s", "1e-6"),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     let breaks = load_profile::breaks(&scene(&settings).drive);
     let mut ends = vec![0.0];
     ends.extend(breaks);
     ends.push(0.008);
     for span in ends.windows(2).map(|w| (w[0], w[1])).chain([(0.0, 0.008)]) {
-        let audit = found.energy.audit(span.0, span.1).unwrap();
+        let audit = run.energy.audit(span.0, span.1).unwrap();
         println!(
             "{:.5} to {:.5} s: load {:.3e} J, remainder {:.1e} J",
             audit.from_s, audit.to_s, audit.load_j, audit.remainder_j
@@ -146,12 +146,12 @@ fn hard_energy_closes_over_changes_of_the_speed() {
         ("solver.step_s", "1e-6"),
         ("solver.duration_s", "0.04"),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     let scene = scene(&settings);
-    let audit = found.energy.audit(0.002, 0.032).unwrap();
-    let whole = found.energy.total().unwrap();
-    println!("{audit:?} {whole:?}");
-    assert!(audit.remainder_j.abs() < 1e-7 && whole.remainder_j.abs() < 1e-7);
+    let audit = run.energy.audit(0.002, 0.032).unwrap();
+    let total = run.energy.total().unwrap();
+    println!("{audit:?} {total:?}");
+    assert!(audit.remainder_j.abs() < 1e-7 && total.remainder_j.abs() < 1e-7);
     let (gear, mass) = (&scene.gear, &scene.mass);
     let on_output = scene.output_inertia_kg_m2() + gear.wheels as f64 * mass.wheel.moment_kg_m2;
     let inertia = mass.input_shaft.moment_kg_m2

@@ -117,10 +117,10 @@ fn regress_time_left_is_right_within_a_factor_from_a_third_on() {
 fn hard_an_end_that_moves_is_not_foretold() {
     let (mut moving, mut still) = (Foretold::default(), Foretold::default());
     for now_s in (1..170).map(f64::from) {
-        let said = moving.steady(Some(90.0 - 0.5 * now_s), now_s);
-        assert!(now_s < 73.0 || said.is_none(), "{now_s} {said:?}");
-        let said = still.steady(Some(179.0 - now_s), now_s);
-        assert!(now_s < 10.0 || said.is_some(), "{now_s}");
+        let left = moving.steady(Some(90.0 - 0.5 * now_s), now_s);
+        assert!(now_s < 73.0 || left.is_none(), "{now_s} {left:?}");
+        let left = still.steady(Some(179.0 - now_s), now_s);
+        assert!(now_s < 10.0 || left.is_some(), "{now_s}");
     }
     // What was not there for long cannot have stood still.
     let mut late = Foretold::default();

@@ -108,14 +108,14 @@ fn a_study_that_fits_takes_each_run_once() {
     let gearbox = gear();
     let step_s = gearbox.scene.solver.step_s;
     let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, 1e-3)));
-    let found = compare(&gearbox, slow, Duration::from_secs(30));
+    let report = compare(&gearbox, slow, Duration::from_secs(30));
     let steps = slow.steps_s.lock().unwrap().clone();
     let cost: f64 = steps.iter().map(|step| step_s / step).sum();
     assert_eq!(steps.len(), 3, "{steps:?}");
     // Samples stay on steps: the coarser ones are a little finer than 2 and 4.
     assert!((1.75..1.9).contains(&cost), "{steps:?}");
     assert!(steps[0] > 3.0 * step_s && steps[1] == step_s, "{steps:?}");
-    assert!(found.engines[0].refinement.as_ref().unwrap().cost.unwrap() < 1.9);
+    assert!(report.engines[0].refinement.as_ref().unwrap().cost.unwrap() < 1.9);
 }
 
 /// Its coarsest run becomes the finest where the others would take longer than there is.
@@ -126,14 +126,14 @@ fn a_study_that_does_not_fit_begins_coarser() {
     // The run at the scene's step would take 100 s.
     let second_per_step = 100.0 * solver.step_s / solver.duration_s;
     let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, second_per_step)));
-    let found = compare(&gearbox, slow, Duration::from_secs(60));
+    let report = compare(&gearbox, slow, Duration::from_secs(60));
     let steps = slow.steps_s.lock().unwrap().clone();
     assert!(
         steps.iter().all(|step| *step > 3.0 * solver.step_s),
         "{steps:?}"
     );
-    assert_eq!(found.engines[0].status, Status::Finished);
-    assert!(found.engines[0].refinement.is_some());
+    assert_eq!(report.engines[0].status, Status::Finished);
+    assert!(report.engines[0].refinement.is_some());
     let asked: f64 = steps.iter().map(|step| 100.0 * solver.step_s / step).sum();
     assert!(asked < 60.0, "{asked} s: {steps:?}");
 }
@@ -147,15 +147,15 @@ fn hard_a_run_without_end_is_given_up() {
         ..Slow::new(SharedModel::OwnContact, 0.025)
     };
     let slow: &Slow = Box::leak(Box::new(slow));
-    let found = compare(&gearbox, slow, Duration::from_millis(100));
+    let report = compare(&gearbox, slow, Duration::from_millis(100));
     let all = gearbox.scene.solver.sample_times_s().len();
     let reported = *slow.samples.lock().unwrap();
     assert!(reported < all / 2, "{reported} of {all}");
-    let Status::TimedOut { reason, .. } = &found.engines[0].status else {
-        panic!("{:?}", found.engines[0].status);
+    let Status::TimedOut { reason, .. } = &report.engines[0].status else {
+        panic!("{:?}", report.engines[0].status);
     };
     assert!(reason.contains("--longest"), "{reason}");
-    assert_eq!(found.counts.exit_status(), 0);
+    assert_eq!(report.counts.exit_status(), 0);
 }
 
 /// Friction on a ramp that explicit steps jump over from side to side is not resolved by them, however well two such steps agree; by
@@ -182,9 +182,9 @@ fn hard_steps_that_chatter_resolve_nothing() {
             obey: true,
             ..Effort::of(&gearbox.scene)
         };
-        let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
-        let told = serde_json::to_string(&found.comparison.engines[0].uncertainty).unwrap();
-        told.contains("do not follow the friction")
+        let outcome = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+        let text = serde_json::to_string(&outcome.comparison.engines[0].uncertainty).unwrap();
+        text.contains("do not follow the friction")
     };
     // The ramp relaxes at 9.5e5 1/s under the static force, of which the largest may be twice as much.
     assert!(refused("rk4", "1.25e-6"));

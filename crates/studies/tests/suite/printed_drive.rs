@@ -63,9 +63,9 @@ fn ours(young_pa: f64, torsion: Option<f64>) -> DesignResult {
     design::run(&gearbox, false, &Control::quiet()).unwrap()
 }
 
-fn figure(found: &DesignResult, def: &FigureDef) -> f64 {
-    let found = found.figures.iter().find(|figure| figure.is(def));
-    found.and_then(|figure| figure.value).unwrap()
+fn figure(result: &DesignResult, def: &FigureDef) -> f64 {
+    let figure = result.figures.iter().find(|figure| figure.is(def));
+    figure.and_then(|figure| figure.value).unwrap()
 }
 
 /// Contacts and clearances as stated make a fiftieth or less of the compliance and about a fifth of the loop; the rest, which they
@@ -127,8 +127,8 @@ fn path(points: impl IntoIterator<Item = (f64, f64)>) -> String {
 }
 
 /// The twist over the torque, degrees and N m.
-fn course(found: &DesignResult, most: f64) -> String {
-    let torsion = &found.torsion;
+fn course(result: &DesignResult, most: f64) -> String {
+    let torsion = &result.torsion;
     let all = torsion.torque_n_m.iter().zip(&torsion.twist_arcmin);
     let mut all: Vec<(f64, f64)> = all.map(|(torque, twist)| (twist / 60.0, *torque)).collect();
     all.sort_by(|a, b| a.1.total_cmp(&b.1));

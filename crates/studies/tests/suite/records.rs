@@ -347,11 +347,11 @@ fn regress_right_records_are_shown_and_wrong_ones_differ() {
             let mut pair = pairs.filter(|p| p.a == "native-reduced" && p.b == *name);
             let mut entries = pair.next().unwrap().entries.iter();
             let entry = entries.find(|e| e.quantity == *quantity).unwrap();
-            let found = &entry.result;
+            let result = &entry.result;
             assert_eq!(
-                (found.verdict, found.against),
+                (result.verdict, result.against),
                 (wanted, Against::Limit),
-                "{name}: {found:?}"
+                "{name}: {result:?}"
             );
             let of_name = outcome
                 .participants

@@ -1,4 +1,4 @@
-//! Sweeps as a whole: threads, interruptions, divergence, what is kept.
+//! Complete sweeps: threads, interruptions, divergence, kept records.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -150,11 +150,11 @@ fn regress_no_efficiency_is_above_one() {
 #[test]
 fn goes_on_where_it_stopped() {
     let (plan, folder) = (plan(SWEEP), tempfile::tempdir().unwrap());
-    let whole = csv(
+    let expected = csv(
         &plan,
         &run(
             &plan,
-            &Journal::open(&folder.path().join("whole"), None, "a test").unwrap(),
+            &Journal::open(&folder.path().join("complete"), None, "a test").unwrap(),
             2,
         ),
     );
@@ -177,7 +177,7 @@ fn goes_on_where_it_stopped() {
     assert!(!place.join(".unfinished-x").exists());
     let records = run(&plan, &journal, 2);
     assert_eq!(journal.in_its_folder(), 12);
-    assert_eq!(csv(&plan, &records), whole);
+    assert_eq!(csv(&plan, &records), expected);
     drop(journal);
     // A third time nothing is run, though a record has another name: the times, which no two runs share, stay.
     std::fs::remove_file(place.join("run-torn.json")).unwrap();
@@ -326,8 +326,8 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let table = results(&plan, &records);
     let lost = numbers(table.column("mean_lost_motion_arcmin"));
     let kept = lost.iter().filter(|x| **x <= 0.9).count();
-    let [found] = tolerances(&plan, &table).try_into().unwrap();
-    let of = found.yielded.unwrap();
+    let [summary] = tolerances(&plan, &table).try_into().unwrap();
+    let of = summary.yielded.unwrap();
     assert_eq!((of.kept, of.runs, of.alone), (kept, 64, vec![of.share]));
     assert!(0 < kept && kept < 64 && of.interval[0] < of.share && of.share < of.interval[1]);
     // Balances of one gear are those of its design, which begin elsewhere, within their rounding.
@@ -336,7 +336,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let of_design = design.torsion.lost_motion_arcmin.unwrap().mean;
     assert!((lost[5] / of_design - 1.0).abs() < 1e-9, "{of_design}");
     // More play is more lost motion, and nothing decides more.
-    let figure = found
+    let figure = summary
         .figures
         .iter()
         .find(|f| f.def.key == "mean_lost_motion_arcmin");
@@ -372,18 +372,18 @@ fn samples_that_cannot_be_built_are_lost_yield() {
         // Nobody need run it.
         assert!(find(&plan, &run, &journal, &wanted_of(&run).1).is_some());
     }
-    let [found] = tolerances(&plan, &results(&plan, &records))
+    let [summary] = tolerances(&plan, &results(&plan, &records))
         .try_into()
         .unwrap();
-    let of = found.yielded.unwrap();
+    let of = summary.yielded.unwrap();
     assert!(0 < lost && lost < 8, "{lost}");
     assert_eq!((of.kept, of.runs), (8 - lost, 8));
     assert_eq!(broken(&records).count(), 0);
     let none = Sweep::from_toml(&text(0.019), Path::new("mine.toml")).unwrap();
-    let said = Plan::new(none, &[]).unwrap_err().to_string();
+    let message = Plan::new(none, &[]).unwrap_err().to_string();
     assert!(
-        said.starts_with("run 1 ") && said.contains("narrow its intervals"),
-        "{said}"
+        message.starts_with("run 1 ") && message.contains("narrow its intervals"),
+        "{message}"
     );
 }
 
@@ -455,7 +455,7 @@ fn regress_loose_needles_are_balanced_at_a_tighter_ring() {
 
 #[test]
 fn bad_input_samples() {
-    let told = |text: &str| {
+    let refusal = |text: &str| {
         let sweep = Sweep::from_toml(text, Path::new("mine.toml"));
         let plan = sweep.and_then(|sweep| Plan::new(sweep, &[]));
         let line = plan.expect_err(text).to_string();
@@ -533,16 +533,16 @@ fn bad_input_samples() {
             false => text.replace("[sample]\n", "[sample]\npoints = 4\n"),
         };
         let text = format!("engines = [\"statics\"]\n{text}");
-        let line = told(&text);
+        let line = refusal(&text);
         assert!(line.contains(part), "{text}\n{line}");
     }
-    assert!(told("scene = \"paper\"\n[sample]\n").contains("missing field `points`"));
-    assert!(told("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
+    assert!(refusal("scene = \"paper\"\n[sample]\n").contains("missing field `points`"));
+    assert!(refusal("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
     let wide = "scene = \"paper\"\n[sample]\npoints = 9\nmethod = \"sobol\"\noutput.x = { from = 0, to = 1, each = 300 }";
-    assert!(told(wide).contains("latin-hypercube"));
+    assert!(refusal(wide).contains("latin-hypercube"));
     let long =
         "scene = \"paper\"\n[sample]\npoints = 60000\noutput.x = { from = 0, to = 1, each = 300 }";
-    assert!(told(long).contains("fewer points"));
+    assert!(refusal(long).contains("fewer points"));
 }
 
 /// Works know what lies between samples: five times as many move the efficiency of steel, which rings at 5.6 kHz, by nothing that
@@ -553,8 +553,8 @@ fn regress_efficiency_does_not_hang_on_samples() {
                 solver.integrator = \"auto\"\n[vary]\nsolver.sample_s = [1e-4, 1e-5]\n";
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
     let journal = Journal::open(folder.path(), None, "a test").unwrap();
-    let found = run(&plan, &journal, 2);
-    let [coarse, fine] = [0, 1].map(|k| found[k].efficiency_accounted.unwrap());
+    let rows = run(&plan, &journal, 2);
+    let [coarse, fine] = [0, 1].map(|k| rows[k].efficiency_accounted.unwrap());
     assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
 }
 
@@ -628,7 +628,7 @@ fn regress_balances_of_a_lot_of_gears() {
         );
         assert!(record.rhs_calls < 10 * record.steps, "{scene}");
         for (key, (value, uncertainty)) in keys.iter().zip(accepted) {
-            let found = record.balance(key);
+            let actual = record.balance(key);
             // A sweep reads it off a tenth of the poses.
             let share = if key.starts_with("transmission") {
                 0.01
@@ -636,10 +636,10 @@ fn regress_balances_of_a_lot_of_gears() {
                 0.0
             };
             let uncertainty = f64::max(uncertainty, share * value);
-            let apart = found.map_or(f64::NAN, |found| (found - value).abs());
+            let apart = actual.map_or(f64::NAN, |actual| (actual - value).abs());
             assert!(
                 apart <= uncertainty,
-                "{scene}, {key}: {found:?}, {value}, {}",
+                "{scene}, {key}: {actual:?}, {value}, {}",
                 record.reason()
             );
         }

@@ -21,9 +21,9 @@ fn published_sensitivities_of_known_functions() {
         let values: Vec<Option<f64>> = a.iter().zip(&b).map(|(a, b)| Some(f(*a, *b))).collect();
         figure("y", &values, &keys).expect("it varies")
     };
-    let close = |found: Option<f64>, is: f64| {
-        let found = found.expect("found");
-        assert!((found - is).abs() < 0.02, "{found} is not {is}");
+    let close = |actual: Option<f64>, is: f64| {
+        let actual = actual.expect("a value");
+        assert!((actual - is).abs() < 0.02, "{actual} is not {is}");
     };
     let line = over(&|a, b| 3.0 * a + b);
     assert_eq!(line.sensitivities[0].key, "a");

@@ -88,7 +88,7 @@ pub(crate) struct Alarm {
 pub(crate) struct Outcome {
     /// Everything that was stated and could be judged.
     pub(crate) cases: Vec<Case>,
-    /// Series that an engine said it does not resolve, by engine.
+    /// Number of series that an engine reports as unresolved, by engine.
     pub(crate) not_resolved: BTreeMap<String, usize>,
     /// Series whose reference is not known a tenth as well as what was stated, by engine.
     pub(crate) without_truth: BTreeMap<String, usize>,
@@ -173,7 +173,7 @@ impl Outcome {
 /// # Errors
 /// Cancelled; a name that is no engine's; a scene that cannot be modelled.
 pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> {
-    let mut found = Outcome {
+    let mut outcome = Outcome {
         gears: input.scenes.len(),
         ..Outcome::default()
     };
@@ -192,13 +192,13 @@ pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, Study
             let (participant, evidence) = refine(engine, &gearbox, &context, effort, at, control)?;
             if let Some(reason) = participant.status.reason() {
                 let what = format!("{} on {name}: {reason}", scene.name);
-                found.left_out.push(what);
+                outcome.left_out.push(what);
                 continue;
             }
             participants.push(participant.clone());
             evidences.push(evidence.clone());
             let stated = (participant, evidence);
-            found.hold(&context, scene, stated, &mut truths, control)?;
+            outcome.hold(&context, scene, stated, &mut truths, control)?;
         }
         if !participants.is_empty() {
             let at = Progress::new((k + 1) * input.engines.len(), total, &scene.name);
@@ -207,20 +207,20 @@ pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, Study
                 evidence: &evidences,
                 ..Rules::default()
             };
-            found.count(&compare(&context, &participants, &rules)?);
+            outcome.count(&compare(&context, &participants, &rules)?);
         }
     }
-    Ok(found)
+    Ok(outcome)
 }
 
 impl Outcome {
     /// Counts what a comparison of engines that are all right says.
-    fn count(&mut self, found: &Comparison) {
-        let alone = found.engines.iter().flat_map(|engine| {
+    fn count(&mut self, comparison: &Comparison) {
+        let alone = comparison.engines.iter().flat_map(|engine| {
             let judged = engine.judged.iter();
             judged.map(|j| (engine.name.clone(), &j.quantity, j.window, &j.result))
         });
-        let pairs = found.pairs.iter().flat_map(|pair| {
+        let pairs = comparison.pairs.iter().flat_map(|pair| {
             let both = format!("{} / {}", pair.a, pair.b);
             let entries = pair.entries.iter();
             entries.map(move |e| (both.clone(), &e.quantity, e.window, &e.result))
@@ -229,7 +229,7 @@ impl Outcome {
             self.comparisons += 1;
             if result.verdict == Verdict::Differ {
                 self.alarms.push(Alarm {
-                    scene: found.context.scene.clone(),
+                    scene: comparison.context.scene.clone(),
                     engines,
                     quantity: quantity.clone(),
                     window,
@@ -269,16 +269,18 @@ impl Outcome {
             };
             let sure = of_truth.entries.iter().find(same);
             let sure = sure.and_then(|e| e.metrics.as_ref());
-            for found in &entry.assessments {
-                let Some(metric) = found.metric else { continue };
+            for assessment in &entry.assessments {
+                let Some(metric) = assessment.metric else {
+                    continue;
+                };
                 let series = metric == Metric::RelativeL2;
                 let (Some(error), Some(of_truth)) = (
-                    found.difference.map(f64::abs),
+                    assessment.difference.map(f64::abs),
                     sure.and_then(|m| (metric.row().of)(m)),
                 ) else {
                     continue;
                 };
-                match found.u_a {
+                match assessment.u_a {
                     None if series => {
                         *self.not_resolved.entry(engine.clone()).or_default() += 1;
                     }
@@ -318,13 +320,13 @@ impl Truths {
             return known.clone();
         }
         let solve = |way| reference::solve(scene, way, &Control::silent(control.cancel));
-        let found = settings.map(|way| solve(way).ok().map(|(_, series)| series));
-        let found = match found {
+        let solved = settings.map(|way| solve(way).ok().map(|(_, series)| series));
+        let solved = match solved {
             [Some(other), Some(truth)] => Some([other, truth]),
             _ => None,
         };
-        self.0.push((settings, found.clone()));
-        found
+        self.0.push((settings, solved.clone()));
+        solved
     }
 }
 

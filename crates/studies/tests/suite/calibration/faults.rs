@@ -74,8 +74,8 @@ fn crossval_small_faults_are_told() {
             resolution: RESOLUTION,
             ..Rules::default()
         };
-        let found = compare(&context(&scene), &[own.clone(), other], &rules).unwrap();
-        let entries = &found.pairs[0].entries;
+        let report = compare(&context(&scene), &[own.clone(), other], &rules).unwrap();
+        let entries = &report.pairs[0].entries;
         entries
             .iter()
             .any(|entry| entry.result.verdict == Verdict::Differ)

@@ -51,10 +51,10 @@ fn covers(seeds: &[u64]) {
             .to_vec(),
         effort: effort(0.01),
     };
-    let found = coverage::run(&input, &Control::quiet()).unwrap();
-    let rows = found.rows(false);
+    let outcome = coverage::run(&input, &Control::quiet()).unwrap();
+    let rows = outcome.rows(false);
     let all = rows.last().unwrap();
-    assert!(all.cases >= 25, "{found:?}");
+    assert!(all.cases >= 25, "{outcome:?}");
     // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
     // no more than one of their errors.
     assert!(
@@ -63,7 +63,7 @@ fn covers(seeds: &[u64]) {
     );
     // The study can say no: of uncertainties a tenth as large, and of ones that say nothing.
     for factor in [0.1, 10.0] {
-        let mut other = found.clone();
+        let mut other = outcome.clone();
         other.cases.iter_mut().for_each(|case| case.u *= factor);
         assert!(!other.is_honest(), "{factor}: {:?}", other.rows(false));
     }
@@ -117,8 +117,8 @@ sample_s = 2e-5
         engines: &engines,
         data: &[],
     };
-    let found = comparison::run(&input, &Control::quiet()).unwrap();
-    let pairs = found.comparison.pairs.iter();
+    let outcome = comparison::run(&input, &Control::quiet()).unwrap();
+    let pairs = outcome.comparison.pairs.iter();
     let results = pairs.flat_map(|pair| pair.entries.iter().map(|entry| &entry.result));
     let mut agree = 0;
     for result in results {
@@ -131,7 +131,7 @@ sample_s = 2e-5
         assert!(off <= u, "{result:?}");
         agree += 1;
     }
-    assert_eq!((agree, found.exit_status()), (60, 0));
+    assert_eq!((agree, outcome.exit_status()), (60, 0));
 }
 
 /// A pin whose radius is smaller by c is pressed in by c less; the others as before.
@@ -143,12 +143,12 @@ fn a_small_sleeve_is_pressed_in_less() {
         states[wheel].angle += 1e-3;
     }
     let pressed = |gearbox: &Gearbox| {
-        let mut found = Vec::new();
+        let mut pairs = Vec::new();
         let mut field = gearbox.contact_field().unwrap();
         field.touching(&states, &mut |pair| {
-            found.push((pair.wheel, pair.sleeve, pair.penetration_m));
+            pairs.push((pair.wheel, pair.sleeve, pair.penetration_m));
         });
-        found
+        pairs
     };
     let before = pressed(&gearbox);
     let of_external =
