@@ -3,7 +3,7 @@
 use pinwheel_scene::Scene;
 use pinwheel_studies::internals::turn_to_touch;
 
-/// From the geometry, d psi/d d: 17.003 rad per metre; the curve bends away, so the computed play is a little off for large d.
+/// The geometry gives d psi/d d = 17.003 rad/m; curvature makes the computed play deviate slightly for large d.
 #[test]
 fn free_play_is_found_on_the_curve() {
     let mut scene = Scene::paper();

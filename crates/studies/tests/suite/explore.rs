@@ -3,7 +3,7 @@
 use pinwheel_scene::{KEYS, Scene};
 use pinwheel_studies::explore::{scene, sliders};
 
-/// Faults name no key and no unit that the page does not show, whichever key is at fault.
+/// Messages contain only labels and units that the page shows, for any invalid key.
 #[test]
 fn bad_input_states_are_refused_in_words_and_units_of_the_page() {
     let mut refused = 0;

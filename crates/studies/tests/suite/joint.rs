@@ -1,9 +1,9 @@
-//! Springs of a joint that stands for a gear.
+//! Springs of a joint that represents a gear.
 
 use pinwheel_studies::design::Spring;
 use pinwheel_studies::internals::{LEVELS, springs};
 
-/// The torque of the springs at a twist.
+/// Returns the torque of the springs at a twist.
 fn torque(springs: &[Spring], twist: f64) -> f64 {
     let one = |s: &Spring| s.stiffness_n_m_per_rad * (twist - s.dead_band_rad).max(0.0);
     springs.iter().map(one).sum()
@@ -25,7 +25,7 @@ fn springs_pass_through_a_steepening_curve() {
 
 #[test]
 fn springs_never_pull() {
-    // Between 25 and 50 % this one gives way more: a line passes below.
+    // This curve is softer between 25 and 50 %, so that the fit passes below it.
     let twists = [1.0, 1.5, 2.0, 2.6, 4.0, 4.1];
     let chain = springs(&twists, 10.0);
     assert!(

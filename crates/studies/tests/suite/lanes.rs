@@ -1,4 +1,4 @@
-//! Engines side by side: the same results as one after the other, Python's one at a time, and all stop at once.
+//! Concurrent engines: results equal sequential ones, only one engine at a time runs in Python, and a stop ends all.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -10,12 +10,12 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{self, Effort, Input, Lanes};
 use pinwheel_studies::{Progress, StudyError};
 
-/// The native solver under another name, as slow as is asked for.
+/// Native solver under another name, with a requested duration.
 struct Peer {
     name: &'static str,
     in_python: bool,
     pause: Duration,
-    /// Runs at this moment, and most at once, of those in Python and of all.
+    /// Current and largest number of runs, of engines in Python and of all.
     running: Arc<[AtomicUsize; 4]>,
 }
 
@@ -108,7 +108,7 @@ fn compared(
     let mut outcome = comparison::run_on(&input, Effort::of(&gearbox.scene), &lanes, control)?;
     for engine in &mut outcome.comparison.engines {
         (engine.cost.wall_s, engine.cost.cpu_s) = (0.0, 0.0);
-        // Its cost is a ratio of times.
+        // The cost of a refinement is a ratio of times.
         engine.refinement = None;
     }
     let series = outcome.participants.iter().map(|one| &one.time_series);
@@ -162,12 +162,12 @@ fn a_stop_ends_all() {
     });
     assert!(matches!(stopped, Err(StudyError::Cancelled)), "{stopped:?}");
     assert!(begun.elapsed() < Duration::from_secs(4));
-    // Whatever runs is named, in the engines' order.
+    // Progress names all running engines, in their order.
     let pieces = pieces.lock().unwrap();
     assert!(pieces.iter().any(|piece| piece == "a, b, d"), "{pieces:?}");
 }
 
-/// Every engine's progress reaches the reader, and the time left with it; the test `outlook` measures how right it is.
+/// Progress of every engine arrives with the remaining time, whose accuracy the test `outlook` measures.
 #[test]
 fn time_left_is_told_while_engines_run() {
     let (mut engines, _) = peers(1000);
@@ -180,7 +180,7 @@ fn time_left_is_told_while_engines_run() {
     let stop = AtomicBool::new(false);
     compared(&engines, 2, &Control::new(&stop, &progress)).unwrap();
     let reports = reports.into_inner().unwrap();
-    // Of what begins now nothing is known.
+    // The remaining time is unknown at the start.
     assert_eq!(reports[1].1, None);
     let left = |report: &(String, Option<f64>)| report.1.is_some_and(|left| left > 0.0);
     assert!(reports.iter().any(left), "{reports:?}");

@@ -39,7 +39,7 @@ fn norms_by_hand() {
     assert_eq!((all.torque_l2, all.torque_max), (0.0, 0.0));
     let early = errors(&a, &b, &span(0.0, 1.0));
     assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
-    // Of the least force.
+    // Errors relative to the load floor.
     let late = errors(&a, &b, &span(2.0, 2.0));
     near([late.force_l2, late.force_max], [2.0, 2.0]);
 }

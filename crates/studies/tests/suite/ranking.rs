@@ -28,7 +28,7 @@ fn the_lead_is_over_the_fastest_peer() {
     assert_eq!((&*lead.native, &*lead.peer), ("b", "fast"));
     assert!((lead.ratio - 100.0).abs() < 1e-12 && !lead.at_least);
 
-    // A peer that was cut off before may be the fastest: then the ratio is a bound.
+    // A peer stopped by the time limit may be the fastest: then the ratio is a bound.
     entries.push(entry(
         "cut off",
         SharedModel::SharedLaw,

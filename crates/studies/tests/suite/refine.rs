@@ -5,8 +5,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::preset;
 use pinwheel_studies::internals::Refiner;
 
-/// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
-/// three that agree to rounding.
+/// No level exceeds the sample spacing, because engines end a step at every sample. Longer steps once gave three identical runs,
+/// which passed for agreement to rounding.
 #[test]
 fn regress_no_level_is_longer_than_the_samples_are_apart() {
     let scene = preset("paper").expect("a preset");

@@ -1,4 +1,4 @@
-//! Statistics of a course.
+//! Statistics of a time series.
 
 use pinwheel_studies::baseline::Statistics;
 

@@ -963,7 +963,7 @@ fn cpu_s() -> f64 {
 
 /// Locating takes no more evaluations of forces than the run that it judges or the stated numbers, with faults and without.
 #[test]
-#[ignore = "weekly: whole runs"]
+#[ignore = "weekly: complete runs"]
 fn locating_costs_no_more_than_a_run() {
     let faults = [
         ("right", with(|_| {})),

@@ -1,4 +1,4 @@
-//! Structure that gives way in `design`: the budget beside another program's, and temperatures by fit.
+//! Elastic structure in `design`: its stiffness budget against another program's, and temperatures by fit.
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ fn table() -> toml::Table {
     std::fs::read_to_string(place).unwrap().parse().unwrap()
 }
 
-/// The drive of the package's budget.
+/// Returns the drive of the other program's budget.
 fn steel_drive(data: &toml::Table) -> Scene {
     let drive = data["printed"].as_array().unwrap().iter();
     let drive = drive.map(|one| one.as_table().unwrap());
@@ -54,19 +54,19 @@ fn steel_drive(data: &toml::Table) -> Scene {
     (contact.young_pa, contact.poisson) = (2.1e11, 0.29);
     (contact.pin_young_pa, contact.pin_poisson) = (Some(2.05e11), Some(0.29));
     scene.bearings.internal_sleeves_held = Some(Held::OneEnd);
-    // Half of the gap between discs, as the same gap stands beside the carrier: middle of the stack at 8.75, not 8.5 mm.
+    // Half of the gap between discs; an equal gap beside the carrier puts the middle of the stack at 8.75, not 8.5 mm.
     scene.bearings.internal_sleeve_gap_m = Some(5e-4);
     let structure = &mut scene.structure;
     structure.output_pin_diameter_m = Some(0.006);
     structure.ring_seat_length_m = Some(0.008);
     (structure.plate_thickness_m, structure.plate_radius_m) = (Some(0.006), Some(0.042));
-    // A bar of 10 mm and 53 mm of this steel.
+    // Bar of this steel, diameter 10 mm, length 53 mm.
     let shear = 2.05e11 / 2.0 / 1.29;
     structure.input_torsion_n_m_rad = Some(shear * PI / 32.0 * 1e-8 / 0.053);
     scene
 }
 
-/// Stiffness from half of the torque to all of it, mean over a few poses, N m/arcmin; without plate, flange and input shaft.
+/// Returns the secant stiffness between half and full torque, mean over a few poses, N m/arcmin, without plate, flange and shaft.
 fn stiffness(scene: &Scene) -> f64 {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
@@ -86,9 +86,9 @@ fn in_series(one: f64, other: f64) -> f64 {
     1.0 / (1.0 / one + 1.0 / other)
 }
 
-/// The package's 17.5 N m/arcmin, part by part. Its discs take turns on the pins that one disc loads, so that they count once, and pins
-/// take up the play in their holes before they bend. Counted so and without that play, both budgets end alike: 23.54 and 23.51. In
-/// ours two discs load other pins, those that bend share their load, and the total is 48.3.
+/// Compares the other program's budget of 17.5 N m/arcmin part by part. It counts each pin for one disc only, and lets pins take up
+/// the play in their holes before they bend. With that count and without the play, both budgets agree: 23.54 and 23.51. In ours two
+/// discs load different pins, bending pins share their load, and the total is 48.3.
 #[test]
 fn published_budget_of_a_steel_drive() {
     let data = table();
@@ -109,7 +109,7 @@ fn published_budget_of_a_steel_drive() {
         ring_seat_length_m: given.ring_seat_length_m,
         ..Structure::default()
     };
-    // One pin as the package has it, loaded in the middle of the stack, for one disc and for two.
+    // Stiffness of a pin in the other program, loaded in the middle of the stack, for one disc and for two.
     let [middle, once] = [5.0078e7, 2.5039e7].map(Some);
     let contacts = with(rigid.clone(), None, true);
     let seated = with(seats.clone(), None, true);
@@ -143,8 +143,8 @@ fn published_budget_of_a_steel_drive() {
     assert!(shared > apart);
 }
 
-/// The lines of the budget, and those of plate and shaft by their closed forms: to the part by which the mean of stiffnesses over
-/// the mesh is not the inverse of the mean compliance.
+/// Checks the parts of the budget, plate and shaft against closed forms. The tolerance allows for the mean stiffness over the mesh,
+/// which differs from the inverse of the mean compliance.
 #[test]
 fn published_lines_of_the_budget() {
     let mut scene = Scene::load("steel", &[]).unwrap().into_scene();
@@ -178,7 +178,7 @@ fn published_lines_of_the_budget() {
     assert!(((soft(3) - soft(2)) / wanted - 1.0).abs() < 0.02);
 }
 
-/// A warm disc in a colder ring, as the figures by fit have it.
+/// Intervals by fit include the temperature of a warm disc in a colder ring.
 #[test]
 fn regress_temperatures_are_taken_by_fit() {
     let mut scene = Scene::load("steel", &[]).unwrap().into_scene();
