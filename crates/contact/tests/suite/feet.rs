@@ -287,7 +287,7 @@ fn hard_lanes_of_deep_sleeves() {
 /// Pins larger than the edge's offset also touch outside the curve, exactly where the search over the entire curve has a foot,
 /// from starts beside the ideal mesh's.
 #[test]
-fn feet_within_a_limit_are_those_of_the_whole_curve() {
+fn feet_within_a_limit_are_those_of_the_complete_curve() {
     let (mut near, mut far) = (0, 0);
     for (zk, m) in [(16, 0.7), (40, 0.6), (11, 0.9)] {
         let curve = Epitrochoid::new(ECCENTRICITY, zk, m).unwrap();

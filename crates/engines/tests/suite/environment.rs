@@ -109,7 +109,7 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
 }
 
 #[test]
-fn an_environment_without_its_packages_is_not_whole() {
+fn an_environment_without_its_packages_is_incomplete() {
     let cache = tempfile::tempdir().unwrap();
     let made = ensure(NOTHING, &interpreter(), cache.path(), None, &GO).unwrap();
     assert!(complete(&made.folder, NOTHING, &GO).is_some());
@@ -174,7 +174,7 @@ fn a_call_ends_with_the_users_stop() {
 }
 
 #[test]
-fn pip_installs_where_it_is_told_to() {
+fn pip_installs_into_the_given_folder() {
     for away in [
         "PIP_TARGET",
         "PIP_DRY_RUN",

@@ -197,7 +197,7 @@ fn bad_input_a_file_that_comes_during_the_run_stays() {
 }
 
 #[test]
-fn regress_an_output_appears_whole_with_the_usual_mode() {
+fn regress_an_output_appears_complete_with_the_usual_mode() {
     let dir = tempdir().unwrap();
     let usual = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
     let plain = dir.path().join("plain");

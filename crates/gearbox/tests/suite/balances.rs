@@ -226,7 +226,7 @@ fn newton_finds_what_brackets_find() {
 /// Started from the equilibrium of the previous pose: equal angles to rounding in fewer evaluations, with play, errors and
 /// almost no load.
 #[test]
-fn the_next_pose_is_found_from_the_last() {
+fn the_next_pose_starts_from_the_last() {
     for (preset, share) in [
         ("paper", 1.0),
         ("steel", 1.0),

@@ -475,7 +475,7 @@ proptest! {
 
 /// Fields without derivatives report it: friction that falls with speed, points.
 #[test]
-fn slopes_are_only_told_where_they_are_known() {
+fn derivatives_are_only_given_where_they_are_known() {
     let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
         let mut scene = Scene::paper();
         change(&mut scene);

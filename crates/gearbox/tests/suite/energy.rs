@@ -133,7 +133,7 @@ fn off(account: &EnergyAccount) -> [f64; 2] {
 
 /// Uncertainty: negligible for a smooth power, the power's own size if under-sampled, the range of few entries.
 #[test]
-fn what_is_between_entries_is_told_from_them() {
+fn entries_bound_the_power_between_them() {
     let uncertainty = |power: &dyn Fn(f64) -> f64, entries: u32, h: f64| {
         let times: Vec<f64> = (0..entries).map(|k| h * f64::from(k)).collect();
         let ends = [0, times.len() - 1];

@@ -30,7 +30,7 @@ fn pose(gearbox: &Gearbox) -> Vec<BodyState> {
 
 /// Listed friction plus the remaining loads gives the total, pair by pair.
 #[test]
-fn the_whole_is_friction_and_the_rest() {
+fn loads_are_friction_and_the_rest() {
     for law in ["paper", "paper-conservative"] {
         let gearbox = gearbox(&[
             ("contact.friction_coefficient", "0.1"),

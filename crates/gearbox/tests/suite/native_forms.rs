@@ -197,7 +197,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
 
 /// A disc that jumped a tooth, and an output off its holes, are reported by name; free play is not.
 #[test]
-fn bodies_off_their_mesh_are_told() {
+fn bodies_off_their_mesh_are_reported() {
     let gearbox = Gearbox::new(&scene(0.1).clone().check().unwrap()).unwrap();
     let pitch = std::f64::consts::TAU / 15.0;
     let moved = |body: usize, by: f64| {
@@ -384,7 +384,7 @@ fn rounding_at_rest_is_no_fault() {
 /// A run evaluated at samples alone equals the full run there, also over a jump of the load. It has no energy account, except
 /// with fixed steps.
 #[test]
-fn samples_alone_are_those_of_the_whole_run() {
+fn samples_alone_are_those_of_the_full_run() {
     for (preset, method, adaptive) in [
         ("paper", "etd-adams", true),
         ("paper", "dopri5", true),

@@ -199,7 +199,7 @@ fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
 
 /// An insufficient budget is reported with the accuracy reached.
 #[test]
-fn bad_input_a_budget_too_small_is_told() {
+fn bad_input_a_budget_too_small_is_reported() {
     let scene = scene("paper", &["solver.duration_s=0.02"]);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     // Sufficient for the first run of 1e-7 and not for the second.

@@ -5,7 +5,7 @@ use pinwheel_gearbox::internals::remedy;
 use pinwheel_gearbox::resolve::{Level, Uncertainty, Verdict};
 
 #[test]
-fn what_is_known_is_told() {
+fn notes_report_costs_and_failures() {
     let level = |evaluations, failure: Option<&str>| Level {
         integrator: "dopri5".to_owned(),
         setting: "a tolerance of 1e-6".to_owned(),

@@ -9,7 +9,7 @@ const N: usize = 7;
 proptest! {
     /// Any partition into hubs and leaves, of first and second order, against the full matrix.
     #[test]
-    fn solves_what_the_whole_matrix_solves(
+    fn solves_like_the_full_matrix(
         is_leaf in prop::collection::vec(any::<bool>(), N), second: bool,
         entries in prop::collection::vec(-1.0..1.0_f64, 2 * N * N),
         rhs in prop::collection::vec(-1.0..1.0_f64, 2 * N), shift in 3.0..1e3_f64,

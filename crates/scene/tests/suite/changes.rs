@@ -210,7 +210,7 @@ fn bad_input_gears_beyond_the_model() {
 
 /// A shorter run of a scene is no fault; the scene names the changes after its end.
 #[test]
-fn changes_after_the_end_are_told() {
+fn changes_after_the_end_are_reported() {
     let scene =
         with("[{ time_s = 0.1, output_torque_n_m = 1 }, { time_s = 0.7, output_torque_n_m = 2 }]")
             .unwrap();

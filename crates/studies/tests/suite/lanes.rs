@@ -169,7 +169,7 @@ fn a_stop_ends_all() {
 
 /// Progress of every engine arrives with the remaining time, whose accuracy the test `outlook` measures.
 #[test]
-fn time_left_is_told_while_engines_run() {
+fn time_left_is_reported_while_engines_run() {
     let (mut engines, _) = peers(1000);
     engines.truncate(2);
     let reports = Mutex::new(Vec::new());

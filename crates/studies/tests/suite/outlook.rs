@@ -130,7 +130,7 @@ fn hard_an_end_that_moves_is_not_foretold() {
 
 /// No estimate is given before a report, nor while most of the work has not begun on a machine of unknown speed.
 #[test]
-fn hard_nothing_is_said_before_it_is_known() {
+fn hard_no_estimate_before_it_is_known() {
     for (lanes, _) in [PAPER, NEEDLES] {
         let now: Vec<Outlook> = lanes.iter().map(|lane| at(lane, 0.5)).collect();
         assert_eq!(left_s(&now, 2, 0.5), None);

@@ -73,7 +73,7 @@ fn regress_accepted_results() {
 
 /// The file is small enough for a review, and every scene is in it.
 #[test]
-fn regress_baseline_is_small_and_whole() {
+fn regress_baseline_is_small_and_complete() {
     let file = folder().join("accepted").join(baseline::FILE);
     let bytes = file.metadata().unwrap().len();
     // 54 scenes, 116 cases of seven quantities.

@@ -101,7 +101,7 @@ fn an_atlas_goes_on_where_it_stopped() {
 /// Twice the step tells a run that is not resolved (Heun on discs that fall through 1 mm of play: measured
 /// 0.56, and 0.36 off) from one that is (`paper`: 1.5e-2, and 5e-3 off).
 #[test]
-fn hard_unresolved_runs_are_told() {
+fn hard_unresolved_runs_are_detected() {
     let at = |name: &str, sets: &[&str]| {
         let scene = scene(name, sets);
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
@@ -560,8 +560,8 @@ fn a_bearing_at_rest_has_no_life_and_no_loss() {
         let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
         let result = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
         let named = |def: &FigureDef| {
-            let result = result.figures.iter().find(|figure| figure.is(def));
-            found.and_then(|figure| figure.value)
+            let figure = result.figures.iter().find(|figure| figure.is(def));
+            figure.and_then(|figure| figure.value)
         };
         [&BEARING_LIFE, &BEARING_LOSS].map(named)
     };

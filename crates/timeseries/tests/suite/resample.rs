@@ -39,7 +39,7 @@ fn own_times_are_taken_as_they_are() {
 
 /// The stated error exceeds the actual one, for any method.
 #[test]
-fn the_told_error_bounds_the_made_one() {
+fn the_stated_error_bounds_the_actual_one() {
     let times = even(200, 1e-3, 0.0);
     let exact = wave(&times);
     for (method, most) in [(Method::Cubic, 1e-5), (Method::Linear, 1e-3)] {
@@ -125,7 +125,7 @@ fn regress_variable_steps_are_no_gaps() {
 
 /// Two adjacent gaps are both detected, each compared with the spacings around both.
 #[test]
-fn regress_gaps_side_by_side_are_seen() {
+fn regress_gaps_side_by_side_are_detected() {
     let times = even(101, 1e-3, 0.0);
     let kept = times.iter().enumerate();
     let kept = kept.filter(|(k, _)| !(30..60).contains(k) || *k == 45);

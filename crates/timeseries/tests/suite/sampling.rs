@@ -67,7 +67,7 @@ fn what_sampling_leaves_is_stated() {
 
 /// Points between samples give sharp figures where samples alone do not; only those within the window count.
 #[test]
-fn points_between_samples_are_seen() {
+fn points_between_samples_are_detected() {
     let of = |t: f64| (2.0 * t).sin();
     let mut between = Between::new(&["force_n"], 11);
     // More than one chunk, and pairs of points close to each other.

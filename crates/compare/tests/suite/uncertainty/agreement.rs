@@ -182,7 +182,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
 
 /// With friction, 5 % more stiffness in one native engine was once "3 of 3 within".
 #[test]
-fn regress_a_fault_under_friction_is_seen() {
+fn regress_a_fault_under_friction_is_detected() {
     let rough = Context {
         friction_coefficient: 0.1,
         ..anywhere()

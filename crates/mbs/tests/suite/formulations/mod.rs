@@ -226,7 +226,7 @@ fn free_fall_of_a_compound_pendulum_keeps_its_energy() {
 }
 
 #[test]
-fn what_cannot_be_reduced_is_said() {
+fn what_cannot_be_reduced_is_refused() {
     let mut m = carousel(false);
     m.revolutes[1].child_point = [0.1, 0.0];
     let forces = weight(&m);
