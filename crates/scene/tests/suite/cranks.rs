@@ -25,7 +25,7 @@ fn bad_input_of_cranks_names_the_key() {
         let line = refusal(key, value);
         assert!(line.contains(wanted), "{key}: {line}");
     }
-    // Rigid, or with half of its keys.
+    // Cranks with half of their keys, then with rigid bearings.
     let text = "[gear]\neccentricity_m = 0.0013\nexternal_sleeves = 40\npin_circle_radius_m = 0.064\nwheels = 2\n\
         external_sleeve_radius_m = 0.003\n[drive]\ninput_speed_rad_s = 190.0\noutput_torque_n_m = -412.0\n[cranks]\ncount = 2\n";
     let rest =
@@ -57,7 +57,7 @@ fn both_shafts_carry_the_cranks_turning() {
     let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
     let inertia = input + output / (121.0 * 121.0);
     assert!((inertia / cranks - 1.0).abs() < 1e-12, "{inertia} {cranks}");
-    // A carrier that is held leaves the input all of it.
+    // With a fixed carrier the input has all of the inertia.
     let held = Scene::load("rv-40e-like", &["drive.output=ring".parse().unwrap()]).unwrap();
     let of_input = held.input_shaft().moment_kg_m2 - held.mass.input_shaft.moment_kg_m2;
     let cranks = 2.0 * held.mass.internal_sleeve.moment_kg_m2 / 9.0;

@@ -1,4 +1,4 @@
-//! Parts that give way behind the contacts, by closed forms of others, and warm parts.
+//! Elastic parts behind the contacts, by published closed forms, and warm parts.
 
 use pinwheel_scene::{Fault, Held, Scene, Structure, Temperature};
 
@@ -88,7 +88,7 @@ fn published_seat_is_palmgrens_line_contact() {
         1e3 * force / approach_mm,
         0.005,
     );
-    // A seat carries a pin along: at one end all of it, at both ends by the lever.
+    // A seat displaces its pin: entirely if held at one end, by the lever if held at both ends.
     let bent = |seat: Option<f64>, held| {
         let mut scene = pins(held);
         scene.structure.output_seat_length_m = seat;
