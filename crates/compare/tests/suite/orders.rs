@@ -132,7 +132,7 @@ fn regress_chatter_shows_no_order() {
     let bound = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
     let error = 1.5e-2;
     assert!(bound.u > error && bound.u < 3.0 * error, "{bound:?}");
-    // Where contacts alone limit the order, ratios count.
+    // Ratios count if contacts alone limit the order.
     let smooth = estimate(&steps, Some(1.0), SMOOTH(1.0), 0.0).unwrap();
     assert!(smooth.u < error, "{smooth:?}");
 }

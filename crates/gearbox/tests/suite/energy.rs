@@ -127,7 +127,7 @@ fn too_little_is_no_account() {
 /// Returns the uncertainties of the driving and of the lost work, J, of an account with equal powers.
 fn off(account: &EnergyAccount) -> [f64; 2] {
     let audit = account.total().unwrap();
-    // Of seven equal powers two drive, and five are lost.
+    // Two of the seven equal powers drive, and five are lost.
     [audit.remainder_off_j / 3.0, audit.lost_off_j / 5.0].map(|off| off / SAFETY)
 }
 
