@@ -116,7 +116,7 @@ def refusals(unit, folder):
         try:
             call()
         except FMICallException:
-            assert len(heard) > before, "nothing was said"
+            assert len(heard) > before, "nothing was logged"
             return
         raise AssertionError("not refused")
 

@@ -20,11 +20,11 @@ fn regress_a_comparison_compiles_its_gearbox_once() {
         engines: &engines,
         data: &[],
     };
-    let found = comparison::run(&input, &Control::quiet()).unwrap();
-    assert!(found.comparison.context.divergence.is_some());
+    let outcome = comparison::run(&input, &Control::quiet()).unwrap();
+    assert!(outcome.comparison.context.divergence.is_some());
     let made = Provenance::here("pinwheel compare paper".to_owned());
-    let page = pinwheel_report::pages::comparison::page(&found, &made);
+    let page = pinwheel_report::pages::comparison::page(&outcome, &made);
     assert!(page.contains("native solver"), "the motion");
     // Matched runs use other gears.
-    assert_eq!(compilations(), 1 + found.twins.len() as u64);
+    assert_eq!(compilations(), 1 + outcome.twins.len() as u64);
 }

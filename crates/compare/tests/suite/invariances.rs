@@ -109,11 +109,11 @@ proptest! {
         };
         let (cc, mm, mc) = (mean(&a, &a), mean(&b, &b), mean(&a, &b));
         prop_assume!(cc > 1e-6 && mm > 1e-6);
-        let found = of(&a, &b).sprague_geers.unwrap();
-        prop_assert!((found.magnitude - ((cc / mm).sqrt() - 1.0)).abs() < 1e-10 * (1.0 + found.magnitude));
+        let computed = of(&a, &b).sprague_geers.unwrap();
+        prop_assert!((computed.magnitude - ((cc / mm).sqrt() - 1.0)).abs() < 1e-10 * (1.0 + computed.magnitude));
         let phase = (mc / (mm * cc).sqrt()).clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
         // acos is accurate to 1e-8 near its ends.
-        prop_assert!((found.phase - phase).abs() < 1e-7, "{} {phase}", found.phase);
+        prop_assert!((computed.phase - phase).abs() < 1e-7, "{} {phase}", computed.phase);
     }
 
     #[test]
@@ -131,7 +131,7 @@ proptest! {
         let one = compare(&context(), &[native.clone(), rapier.clone()], &Rules::default()).unwrap();
         let other = compare(&context(), &[rapier, native], &Rules::default()).unwrap();
         prop_assert_eq!(one.counts, other.counts);
-        let worst = |found: &pinwheel_compare::Comparison| found.matrices[0].cells[0].result.difference;
+        let worst = |comparison: &pinwheel_compare::Comparison| comparison.matrices[0].cells[0].result.difference;
         prop_assert_eq!(worst(&one), worst(&other));
     }
 }

@@ -37,7 +37,7 @@ const WINDOW: Window = Window {
 #[test]
 fn the_account_is_of_the_window() {
     let of = |parts: &[(f64, f64, Option<f64>)]| {
-        account(&participant(parts), &WINDOW).map(|found| (found.from_s, found.to_s))
+        account(&participant(parts), &WINDOW).map(|energy| (energy.from_s, energy.to_s))
     };
     let best = [
         (0.28, 0.6, Some(0.1)),
@@ -64,8 +64,8 @@ fn the_account_is_of_the_window() {
 fn predicted_is_what_the_second_creates_beyond_the_first() {
     let with = |share: f64| participant(&[(0.3, 0.6, Some(share))]);
     let none = participant(&[]);
-    let close = |found: Option<f64>, expected: f64| {
-        assert!((found.unwrap() - expected).abs() < 1e-15, "{found:?}");
+    let close = |actual: Option<f64>, expected: f64| {
+        assert!((actual.unwrap() - expected).abs() < 1e-15, "{actual:?}");
     };
     close(predicted(&with(0.01), &with(0.03), &WINDOW), 0.02);
     close(predicted(&with(0.01), &none, &WINDOW), -0.01);

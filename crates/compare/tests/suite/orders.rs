@@ -32,8 +32,8 @@ fn published_order_of_three_grids() {
     for order in [1.0, 2.0, 3.0, 4.0, 8.0] {
         for refinements in [[1.0, 2.0, 4.0], [1.0, 1.5, 4.0], [1.0, 10.0, 100.0]] {
             let (steps, ..) = study(&refinements, |h| 7.0 + 1e-3 * h.powf(order));
-            let found = observed_order(steps[0], steps[1]).unwrap();
-            assert!((found - order).abs() < 1e-6, "{order}: {found}");
+            let observed = observed_order(steps[0], steps[1]).unwrap();
+            assert!((observed - order).abs() < 1e-6, "{order}: {observed}");
         }
     }
     let zero = Step {
@@ -49,8 +49,8 @@ fn published_order_of_three_grids() {
             ratio: coarse / fine,
             difference: (at(coarse) - at(fine)).abs(),
         };
-        let found = observed_order(step(1.0, 2.0), step(2.0, 3.0)).unwrap();
-        assert!((found - p).abs() < 1e-9, "{found} {p}");
+        let observed = observed_order(step(1.0, 2.0), step(2.0, 3.0)).unwrap();
+        assert!((observed - p).abs() < 1e-9, "{observed} {p}");
     }
 }
 
@@ -59,32 +59,32 @@ fn published_grid_convergence_index() {
     // Exact order: u = 1.25 times the true error.
     for order in [1.0, 2.0, 4.0] {
         let (steps, error, sign) = study(&[1.0, 2.0, 4.0], |h| 5.0 - 1e-3 * h.powf(order));
-        let found = estimate(&steps, sign, SMOOTH(order), 0.0).unwrap();
-        assert_eq!(found.basis, Basis::Observed);
-        assert!((found.u / error - 1.25).abs() < 1e-6, "{found:?} {error}");
+        let bound = estimate(&steps, sign, SMOOTH(order), 0.0).unwrap();
+        assert_eq!(bound.basis, Basis::Observed);
+        assert!((bound.u / error - 1.25).abs() < 1e-6, "{bound:?} {error}");
         // To halve u the step falls by 2^(1/p).
-        let factor = found.refinement_for(found.u / 2.0).unwrap();
+        let factor = bound.refinement_for(bound.u / 2.0).unwrap();
         assert!((factor - 2f64.powf(1.0 / order)).abs() < 1e-6);
-        assert_eq!(found.refinement_for(2.0 * found.u), Some(1.0));
+        assert_eq!(bound.refinement_for(2.0 * bound.u), Some(1.0));
     }
 }
 
 #[test]
 fn two_levels_take_the_stated_order_threefold() {
     let (steps, error, _) = study(&[1.0, 2.0], |h| 5.0 + 1e-3 * h * h);
-    let found = estimate(&steps, None, SMOOTH(2.0), 0.0).unwrap();
+    let bound = estimate(&steps, None, SMOOTH(2.0), 0.0).unwrap();
     assert_eq!(
-        (found.basis, found.observed_order),
+        (bound.basis, bound.observed_order),
         (Basis::TwoLevels, None)
     );
-    assert!((found.u / error - 3.0).abs() < 1e-9);
+    assert!((bound.u / error - 3.0).abs() < 1e-9);
     // In a scene that is not smooth the order is taken as 1.
     let rough = Method::Step {
         order: 4.0,
         rough: Some(Rough::Friction),
     };
-    let found = estimate(&steps, None, rough, 0.0).unwrap();
-    assert!((found.u / steps[0].difference - 3.0).abs() < 1e-9);
+    let bound = estimate(&steps, None, rough, 0.0).unwrap();
+    assert!((bound.u / steps[0].difference - 3.0).abs() < 1e-9);
 }
 
 /// Measured: Runge-Kutta 4 on the paper's gear, relative L2 of the external forces against a converged reference, at steps of
@@ -102,10 +102,10 @@ fn hard_kinks_limit_the_order_before_it_shows() {
         estimate(&steps, Some(1.0), method, 0.0).unwrap()
     };
     assert!(at(None).u < 0.5 * error, "what a smooth scene would allow");
-    let found = at(Some(Rough::Kinks));
-    assert_eq!((found.basis, found.order), (Basis::Unconfirmed, Some(2.5)));
+    let bound = at(Some(Rough::Kinks));
+    assert_eq!((bound.basis, bound.order), (Basis::Unconfirmed, Some(2.5)));
     // The order of 4.1 may be the method's or luck: the coarser difference counts in full.
-    assert!(found.u > error && found.u < 10.0 * error, "{found:?}");
+    assert!(bound.u > error && bound.u < 10.0 * error, "{bound:?}");
     // Friction permits a lower order, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,
@@ -115,8 +115,8 @@ fn hard_kinks_limit_the_order_before_it_shows() {
         ratio: 2.0,
         difference,
     });
-    let found = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
-    assert_eq!((found.basis, found.order), (Basis::Unconfirmed, Some(1.0)));
+    let bound = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
+    assert_eq!((bound.basis, bound.order), (Basis::Unconfirmed, Some(1.0)));
 }
 
 /// Steps that chatter on friction differ as much as they err at any ratio. Such distances, as of rapier on `one-wheel` with
@@ -129,10 +129,10 @@ fn regress_chatter_shows_no_order() {
     };
     let steps = [(8.0, 2.0e-2), (2.0, 2.4e-2)];
     let steps = steps.map(|(ratio, difference)| Step { ratio, difference });
-    let found = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
+    let bound = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
     let error = 1.5e-2;
-    assert!(found.u > error && found.u < 3.0 * error, "{found:?}");
-    // Where contacts alone limit the order, ratios count.
+    assert!(bound.u > error && bound.u < 3.0 * error, "{bound:?}");
+    // Ratios count if contacts alone limit the order.
     let smooth = estimate(&steps, Some(1.0), SMOOTH(1.0), 0.0).unwrap();
     assert!(smooth.u < error, "{smooth:?}");
 }
@@ -156,9 +156,9 @@ fn hard_accidental_super_convergence() {
         ratio: 2.0,
         difference,
     });
-    let found = estimate(&steps, Some(1.0), SMOOTH(2.0), 0.0).unwrap();
+    let bound = estimate(&steps, Some(1.0), SMOOTH(2.0), 0.0).unwrap();
     // C (16 - 4) / ... : 3e-3/(4^2 - 2^2) = 2.5e-4 is the error that order 2 predicts.
-    assert!((found.u - 3.0 * 2.5e-4).abs() < 1e-9, "{found:?}");
+    assert!((bound.u - 3.0 * 2.5e-4).abs() < 1e-9, "{bound:?}");
 }
 
 #[test]
@@ -195,24 +195,24 @@ fn rounding_is_resolved() {
         estimate(&steps, Some(0.1), SMOOTH(4.0), 1e-12)
     };
     for differences in [&[3e-13, 2e-13][..], &[0.0, 0.0], &[1e-13], &[0.0]] {
-        let found = at(differences).unwrap();
-        assert_eq!((found.basis, found.u), (Basis::Rounding, 1e-12));
-        assert!(found.basis.is_confirmed());
-        assert_eq!(found.refinement_for(1e-15), None, "no step would do");
+        let bound = at(differences).unwrap();
+        assert_eq!((bound.basis, bound.u), (Basis::Rounding, 1e-12));
+        assert!(bound.basis.is_confirmed());
+        assert_eq!(bound.refinement_for(1e-15), None, "no step would do");
     }
     // An error common to all runs at several tolerances is no rounding: nothing confirms it.
     let steps = [Step {
         ratio: 10.0,
         difference: 1e-13,
     }];
-    let found = estimate(&steps, None, Method::Tolerance { order: 0.5 }, 1e-12).unwrap();
-    assert_eq!((found.basis, found.u), (Basis::Tolerance, 1e-12));
-    assert!(!found.basis.is_confirmed());
+    let bound = estimate(&steps, None, Method::Tolerance { order: 0.5 }, 1e-12).unwrap();
+    assert_eq!((bound.basis, bound.u), (Basis::Tolerance, 1e-12));
+    assert!(!bound.basis.is_confirmed());
     // Rounding dominates the finest runs, truncation the coarse ones: order 4 predicts 4e-12 from 1e-9, or rounding if larger.
-    let found = at(&[1e-13, 1e-9]).unwrap();
+    let bound = at(&[1e-13, 1e-9]).unwrap();
     assert!(
-        (found.u - 3.0 * 1e-9 / (256.0 - 16.0)).abs() < 1e-15,
-        "{found:?}"
+        (bound.u - 3.0 * 1e-9 / (256.0 - 16.0)).abs() < 1e-15,
+        "{bound:?}"
     );
     assert!(rounding_floor(60_000) > 2e-12 && rounding_floor(60_000) < 1e-11);
 }
@@ -220,10 +220,10 @@ fn rounding_is_resolved() {
 #[test]
 fn opposite_differences_confirm_nothing() {
     let (steps, ..) = study(&[1.0, 2.0, 4.0], |h| 5.0 + 1e-3 * h * h);
-    let found = |cosine| estimate(&steps, Some(cosine), SMOOTH(2.0), 0.0).unwrap();
-    assert_eq!(found(0.9).basis, Basis::Observed);
-    assert_eq!(found(-0.9).basis, Basis::Unconfirmed);
-    assert!(found(-0.9).u > 2.0 * found(0.9).u);
+    let of_cosine = |cosine| estimate(&steps, Some(cosine), SMOOTH(2.0), 0.0).unwrap();
+    assert_eq!(of_cosine(0.9).basis, Basis::Observed);
+    assert_eq!(of_cosine(-0.9).basis, Basis::Unconfirmed);
+    assert!(of_cosine(-0.9).u > 2.0 * of_cosine(0.9).u);
 }
 
 #[test]
@@ -240,18 +240,18 @@ fn tolerances_have_no_order_of_steps() {
             k.map_or(0.0, |k| c[k])
         };
         let (steps, error, sign) = study(&[1.0, 10.0, 100.0], |h| 1.0 + 1e-6 * factor(h) * h);
-        let found = estimate(&steps, sign, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
-        assert_eq!((found.basis, found.safety), (Basis::Tolerance, Some(3.0)));
-        honest += usize::from(found.u >= error);
-        ratios.push(found.u / error);
+        let bound = estimate(&steps, sign, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
+        assert_eq!((bound.basis, bound.safety), (Basis::Tolerance, Some(3.0)));
+        honest += usize::from(bound.u >= error);
+        ratios.push(bound.u / error);
     }
     assert!(coverage(honest, ratios) >= 0.95);
     let two = [Step {
         ratio: 10.0,
         difference: 9e-6,
     }];
-    let found = estimate(&two, None, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
-    assert!((found.u - 3e-6).abs() < 1e-18);
+    let bound = estimate(&two, None, Method::Tolerance { order: 1.0 }, 0.0).unwrap();
+    assert!((bound.u - 3e-6).abs() < 1e-18);
 }
 
 #[test]
@@ -265,10 +265,10 @@ fn regress_tolerances_that_scatter_are_bounded_by_their_spread() {
     };
     let tolerance = Method::Tolerance { order: 0.5 };
     // 9.4e-8 and 2.3e-7 over a hundredfold tolerance: order 0.2.
-    let found = at(9.4e-8, 2.3e-7, tolerance, 0.0).unwrap();
-    assert_eq!((found.basis, found.order), (Basis::Spread, None));
-    assert!((found.u - 3.0 * 3.24e-7).abs() < 1e-12, "{found:?}");
-    assert!(!found.basis.is_confirmed());
+    let bound = at(9.4e-8, 2.3e-7, tolerance, 0.0).unwrap();
+    assert_eq!((bound.basis, bound.order), (Basis::Spread, None));
+    assert!((bound.u - 3.0 * 3.24e-7).abs() < 1e-12, "{bound:?}");
+    assert!(!bound.basis.is_confirmed());
     let bounce = at(1e-2, 1e-5, tolerance, 0.0).unwrap();
     assert!(bounce.u >= 3e-2, "a bounce that the finest run alone has");
     assert!((at(1e-9, 1e-9, tolerance, 1e-8).unwrap().u - 1e-8).abs() < 1e-20);
@@ -319,9 +319,9 @@ fn crossval_uncertainty_covers_the_true_error() {
                 };
                 let (steps, error, sign) = study(levels, f);
                 // An unresolved study makes no claim.
-                if let Ok(found) = estimate(&steps, sign, SMOOTH(stated), 1e-15) {
-                    honest += usize::from(found.u >= error);
-                    ratios.push(found.u / error);
+                if let Ok(bound) = estimate(&steps, sign, SMOOTH(stated), 1e-15) {
+                    honest += usize::from(bound.u >= error);
+                    ratios.push(bound.u / error);
                 }
             }
             // Two levels cannot reveal an order other than the stated one; a third can.
@@ -352,12 +352,12 @@ proptest! {
             .windows(2)
             .map(|h| Step { ratio: r, difference: amplitude * (h[1].powf(order) - h[0].powf(order)) })
             .collect();
-        let found = estimate(&steps, Some(1.0), SMOOTH(stated), 0.0).unwrap();
-        prop_assert!(found.u >= 1.2 * amplitude, "{found:?} {amplitude}");
+        let bound = estimate(&steps, Some(1.0), SMOOTH(stated), 0.0).unwrap();
+        prop_assert!(bound.u >= 1.2 * amplitude, "{bound:?} {amplitude}");
         let scaled: Vec<Step> = steps.iter().map(|s| Step { difference: s.difference * 1e-3, ..*s }).collect();
         let smaller = estimate(&scaled, Some(1.0), SMOOTH(stated), 0.0).unwrap();
-        prop_assert!((smaller.u / found.u - 1e-3).abs() < 1e-9);
-        prop_assert_eq!(smaller.basis, found.basis);
+        prop_assert!((smaller.u / bound.u - 1e-3).abs() < 1e-9);
+        prop_assert_eq!(smaller.basis, bound.basis);
     }
 }
 
@@ -422,14 +422,14 @@ fn hard_kinks_show_any_order() {
         (1e-4, 7.9e-4, 1.25),
         (1e-4, 1.5e-4, 1.25),
     ] {
-        let found = of(fine, coarse);
+        let bound = of(fine, coarse);
         let of_fine = 3.0 * fine / (kinks(2.0) - 1.0);
         let of_coarse = factor * coarse / (kinks(4.0) - kinks(2.0));
         assert!(
-            (found.u / of_fine.max(of_coarse) - 1.0).abs() < 1e-12,
-            "{found:?}"
+            (bound.u / of_fine.max(of_coarse) - 1.0).abs() < 1e-12,
+            "{bound:?}"
         );
-        assert_eq!(found.order, Some(2.5));
+        assert_eq!(bound.order, Some(2.5));
     }
 }
 
@@ -469,10 +469,10 @@ fn regress_ramps_within_a_step_are_jumps() {
         (4.0, [(4.0, 2.12e-3), (4.0, 1.06e-2)], -1.00, 4.29e-4),
         (2.0, [(8.0, 2.08e-2), (2.0, 8.78e-2)], 0.81, 6.67e-4),
     ] {
-        let found = of(order, Rough::Jumps, steps, cosine);
-        assert!(found.u > error && found.u < 15.0 * error, "{found:?}");
+        let bound = of(order, Rough::Jumps, steps, cosine);
+        assert!(bound.u > error && bound.u < 15.0 * error, "{bound:?}");
         assert_eq!(
-            (found.basis, found.order),
+            (bound.basis, bound.order),
             (Basis::Unconfirmed, Some(1.0)),
             "{order}"
         );

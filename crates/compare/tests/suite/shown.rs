@@ -79,16 +79,16 @@ fn a_solver_needs_a_quantity_of_its_own() {
         ),
         (late, own, 4, Shown::Nothing, "mine: nothing shown: its run"),
     ] {
-        let found = judged(&[native("a"), native("b"), mine], &evidence, &["mine"]);
-        let finding = &found.findings[0];
+        let report = judged(&[native("a"), native("b"), mine], &evidence, &["mine"]);
+        let finding = &report.findings[0];
         assert_eq!(
             (finding.kind, finding.shown),
             (Kind::Solver, shown),
             "{finding:?}"
         );
         assert!(finding.line.contains(words), "{}", finding.line);
-        assert_eq!(found.exit_status(), status, "{}", finding.line);
-        assert_eq!(found.passed, status == 0);
+        assert_eq!(report.exit_status(), status, "{}", finding.line);
+        assert_eq!(report.passed, status == 0);
     }
 }
 
@@ -96,10 +96,10 @@ fn a_solver_needs_a_quantity_of_its_own() {
 #[test]
 fn engines_alone_need_a_pair_that_agrees() {
     let pair = [native("a"), native("b")];
-    let found = judged(&pair, &known(&["a", "b"], 1e-6), &[]);
-    assert_eq!(found.exit_status(), 0, "{:?}", found.findings);
+    let report = judged(&pair, &known(&["a", "b"], 1e-6), &[]);
+    assert_eq!(report.exit_status(), 0, "{:?}", report.findings);
     assert!(
-        found.findings[0]
+        report.findings[0]
             .line
             .starts_with("engines: agrees to 2.0e-6 (a and b)")
     );
@@ -112,15 +112,15 @@ fn engines_alone_need_a_pair_that_agrees() {
         (&own, known(&["a", "own"], 1e-6)),
         (&pair, known(&["a", "b"], 0.1)),
     ] {
-        let found = judged(participants, &evidence, &[]);
+        let report = judged(participants, &evidence, &[]);
         assert_eq!(
-            (found.exit_status(), found.passed),
+            (report.exit_status(), report.passed),
             (4, false),
             "{:?}",
-            found.findings
+            report.findings
         );
         assert!(
-            found.findings[0]
+            report.findings[0]
                 .line
                 .contains("nothing shown: no pair of engines agrees in each of driver torque")
         );
@@ -181,9 +181,9 @@ fn a_limit_has_to_be_judged() {
             brought: &["rig"],
             ..Rules::default()
         };
-        let found = compare(&context(), &[native("a"), rig(samples, scale)], &rules).unwrap();
-        let lines: Vec<&str> = found.findings.iter().map(|one| one.line.as_str()).collect();
-        assert_eq!(found.exit_status(), status, "{samples}: {lines:?}");
+        let report = compare(&context(), &[native("a"), rig(samples, scale)], &rules).unwrap();
+        let lines: Vec<&str> = report.findings.iter().map(|f| f.line.as_str()).collect();
+        assert_eq!(report.exit_status(), status, "{samples}: {lines:?}");
         assert!(
             lines.iter().any(|line| line.contains(words)),
             "{samples}: {lines:?}"

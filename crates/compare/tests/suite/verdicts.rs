@@ -142,9 +142,9 @@ fn efficiency() {
     assert!(above.efficiency.is_none() && above.efficiency_reason.unwrap().contains("above 1"));
     rubs.input_speed_rad_s = rubs.input_speed_rad_s.map(|speed| 1.05 * speed);
     let wanted = 22.0 / 15.0 / 1.45 / 1.05;
-    let found = of(&rubs).efficiency.unwrap();
+    let efficiency = of(&rubs).efficiency.unwrap();
     // The ripple's mean over the window's 40.01 periods is not quite zero.
-    assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
+    assert!((efficiency - wanted).abs() < 1e-4, "{efficiency} {wanted}");
 }
 
 #[test]
@@ -236,9 +236,9 @@ fn missing_channels_are_named() {
         .iter()
         .map(|e| e.result.reason.as_str())
         .collect();
-    let told = |reason: &str| reasons.contains(&reason);
-    assert!(told("few has no `input_torque_n_m`"), "{reasons:?}");
-    assert!(told(
+    let stated = |reason: &str| reasons.contains(&reason);
+    assert!(stated("few has no `input_torque_n_m`"), "{reasons:?}");
+    assert!(stated(
         "`external_sleeve_force_n` has channels that only one of the two has"
     ));
 }
@@ -290,8 +290,8 @@ fn faults() {
 
 #[test]
 fn a_recording_is_compared_at_its_own_samples() {
-    let whole = time_series(1.0);
-    let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
+    let complete = time_series(1.0);
+    let rows: Vec<usize> = (0..complete.len()).step_by(3).collect();
     let mut recording = participant(
         "mujoco-x",
         SharedModel::SharedLaw,
@@ -370,14 +370,14 @@ fn published_a_swinging_shaft_is_in_balance() {
         series.push("output_torque_n_m", torque).unwrap();
         series.push("output_angle_rad", angle).unwrap();
         let one = [participant("native", SharedModel::Native, series)];
-        let found = compare(&context, &one, &Rules::default()).unwrap();
-        let judged = found.engines[0].judged.iter();
+        let comparison = compare(&context, &one, &Rules::default()).unwrap();
+        let judged = comparison.engines[0].judged.iter();
         judged.map(|j| j.result.clone()).collect::<Vec<_>>()
     };
     for (rate, samples, sharp) in [(20.0, 600, 1e-6), (7.0, 600, 1e-7), (20.0, 120, 1e-3)] {
-        let found = swings(rate, samples, 0.0);
-        assert_eq!(found.len(), 2, "steady and transient");
-        for one in found {
+        let results = swings(rate, samples, 0.0);
+        assert_eq!(results.len(), 2, "steady and transient");
+        for one in results {
             assert_eq!(one.verdict, Verdict::Agree, "{rate} {samples}: {one:?}");
             assert!(one.bound.unwrap() < sharp, "{rate} {samples}: {one:?}");
         }
@@ -422,12 +422,12 @@ fn regress_kinks_between_samples_are_no_imbalance() {
         let values = time.iter().map(angle).collect();
         series.push("output_angle_rad", values).unwrap();
         let one = [participant("native", SharedModel::Native, series)];
-        let found = compare(&context, &one, &Rules::default()).unwrap();
-        let judged = found.engines[0].judged.iter();
+        let comparison = compare(&context, &one, &Rules::default()).unwrap();
+        let judged = comparison.engines[0].judged.iter();
         judged.map(|j| j.result.verdict).collect::<Vec<_>>()
     };
     for order in [0, 1] {
-        let (mut all, mut told) = (0.0, 0.0);
+        let (mut all, mut alarms) = (0.0, 0.0);
         for k in 0..500 {
             // Evenly distributed, and not commensurate with the samples.
             let drawn = |by: f64| (f64::from(k) * by.sqrt()).fract();
@@ -435,11 +435,11 @@ fn regress_kinks_between_samples_are_no_imbalance() {
             let kinks = [kink(2.0), kink(5.0), kink(10.0)];
             for verdict in judged(order, &kinks[..1 + k as usize % 3], 0.0) {
                 all += 1.0;
-                told += f64::from(verdict == Verdict::Differ);
+                alarms += f64::from(verdict == Verdict::Differ);
             }
             assert!(!judged(order, &kinks, 2.0).contains(&Verdict::Agree));
         }
-        assert!(told <= 0.01 * all, "{order}: {told} of {all}");
+        assert!(alarms <= 0.01 * all, "{order}: {alarms} of {all}");
     }
 }
 

@@ -49,9 +49,9 @@ fn a_run_from_equilibrium_is_steady_at_once() {
 fn a_change_of_the_load_moves_the_steady_window() {
     let steady = |changes: &[f64]| {
         let (present, absent) = windows(&times(6000), SETTLING_S, changes);
-        let found = present.into_iter().find(|w| w.kind == WindowKind::Steady);
-        assert!(found.is_none_or(|w| w.load_changes == 0 && w.remark().is_none()));
-        (found.map(|w| w.from_s), absent)
+        let steady = present.into_iter().find(|w| w.kind == WindowKind::Steady);
+        assert!(steady.is_none_or(|w| w.load_changes == 0 && w.remark().is_none()));
+        (steady.map(|w| w.from_s), absent)
     };
     assert_eq!(steady(&[0.01, 0.05]).0, Some(0.3), "long over");
     assert_eq!(steady(&[0.01]).0, Some(0.3), "no earlier than half");
@@ -90,9 +90,9 @@ fn what_just_fits_is_a_window() {
         let times = (0..=count).map(|k| 1.0 + f64::from(k) * 1e-4);
         TimeSeries::new(times.collect()).unwrap()
     };
-    let places = |found: Vec<Window>| -> Vec<(WindowKind, f64, f64)> {
+    let places = |list: Vec<Window>| -> Vec<(WindowKind, f64, f64)> {
         let place = |w: Window| (w.kind, rounded(w.from_s), rounded(w.to_s));
-        found.into_iter().map(place).collect()
+        list.into_iter().map(place).collect()
     };
     // Twice the decay time, then one sample less.
     let (present, absent) = windows(&late(5000), SETTLING_S, &[]);

@@ -20,7 +20,7 @@ fn local_and_global_search_agree_to_rounding() {
 /// the test reports every point beyond the allowance of the steepest slope.
 #[test]
 fn rays_tell_what_is_outside() {
-    let mut told = 0;
+    let mut certified = 0;
     for (zk, m) in [(16, 0.7), (40, 0.6), (5, 0.9)] {
         let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
         let pitch = std::f64::consts::TAU / f64::from(zk);
@@ -50,12 +50,12 @@ fn rays_tell_what_is_outside() {
                     ] {
                         if outside(from) {
                             assert!(distance > away, "{zk} {k} {lift} {away} {from}");
-                            told += 1;
+                            certified += 1;
                         }
                     }
                 }
             }
         }
     }
-    assert!(told > 1000, "{told}");
+    assert!(certified > 1000, "{certified}");
 }

@@ -126,13 +126,13 @@ fn reaches_are_those_of_all_pairs() {
             outside = outside.min(here);
             repulsion = repulsion.max(at.speed / (2.0 * here * r));
         }
-        for (name, found, exact) in [
+        for (name, actual, exact) in [
             ("outside", curve.reach_outside, 0.9 * outside),
             ("inside", curve.reach_inside, 0.9 * inside),
             ("repulsion", curve.repulsion(), r * repulsion / 0.9),
         ] {
-            assert_relative_eq!(found, exact, max_relative = 2e-3);
-            assert!(found.is_finite() && found > 0.0, "{zk} {m} {name}");
+            assert_relative_eq!(actual, exact, max_relative = 2e-3);
+            assert!(actual.is_finite() && actual > 0.0, "{zk} {m} {name}");
         }
     }
 }

@@ -121,8 +121,8 @@ impl Lanewise<'_> {
         // Complex number m e^{i zs a}: the lobe's contribution to a direction.
         let share = ECCENTRICITY * f64::from(curve.lobes() + 1) / scale;
         let lobe = (exact.unit.powu(curve.lobes())).scale(share);
-        let found = Complex::new(foot.cos.as_slice()[k], foot.sin.as_slice()[k]);
-        let off = (found - lobe).norm();
+        let actual = Complex::new(foot.cos.as_slice()[k], foot.sin.as_slice()[k]);
+        let off = (actual - lobe).norm();
         prop_assert!(off < 1e-10, "lobe: off by {off:e}");
         let stretch = exact.at.speed / scale;
         let off = foot.inverse.as_slice()[k] * stretch - 1.0;
@@ -156,17 +156,17 @@ impl pulp::WithSimd for Lanewise<'_> {
             let feet = curve.penetrating_feet(p, unit, multiple, Mask::first(simd, count));
             for k in 0..width {
                 let exact = depths.get(from + k).copied().unwrap_or(0.0);
-                let found = feet.foot.depth.only(feet.foot.inside).as_slice()[k];
+                let depth = feet.foot.depth.only(feet.foot.inside).as_slice()[k];
                 prop_assert!(
-                    (found - exact).abs() < rounding + share * exact,
-                    "sleeve {}: {found} {exact}",
+                    (depth - exact).abs() < rounding + share * exact,
+                    "sleeve {}: {depth} {exact}",
                     from + k
                 );
                 if !feet.foot.inside.lane(k) {
                     continue;
                 }
                 prop_assert!(k < count);
-                prop_assert!(found > 0.0, "inside at a depth of {found}");
+                prop_assert!(depth > 0.0, "inside at a depth of {depth}");
                 let scalar = curve.foot_within(p.lane(k), [unit.lane(k), mesh.multiple], 0.0);
                 if let Some(foot) = scalar {
                     prop_assert!((feet.normal.lane(k) - foot.at.normal).norm() < 1e-11);
@@ -209,9 +209,9 @@ proptest! {
     fn penetration_is_global(pose in poses(3..121, 0.2..0.95)) {
         let curve = pose.curve();
         let mesh = Mesh::new(&curve, &pose);
-        for (&p, found) in mesh.points.iter().zip(mesh.depths()) {
+        for (&p, computed) in mesh.points.iter().zip(mesh.depths()) {
             let depth = brute::depth(&curve, p).max(0.0);
-            prop_assert!((found - depth).abs() < 2e-15, "{found} {depth}");
+            prop_assert!((computed - depth).abs() < 2e-15, "{computed} {depth}");
         }
     }
 
@@ -287,7 +287,7 @@ fn hard_lanes_of_deep_sleeves() {
 /// Pins larger than the edge's offset also touch outside the curve, exactly where the search over the entire curve has a foot,
 /// from starts beside the ideal mesh's.
 #[test]
-fn feet_within_a_limit_are_those_of_the_whole_curve() {
+fn feet_within_a_limit_are_those_of_the_complete_curve() {
     let (mut near, mut far) = (0, 0);
     for (zk, m) in [(16, 0.7), (40, 0.6), (11, 0.9)] {
         let curve = Epitrochoid::new(ECCENTRICITY, zk, m).unwrap();
@@ -300,17 +300,17 @@ fn feet_within_a_limit_are_those_of_the_whole_curve() {
             let lifted = at.position.scale(0.02 * f64::from(k % 3));
             let p = at.position + at.normal.scale(away) + lifted;
             let start = Complex::unit(a + 2e-3 * f64::from(k % 5) - 4e-3);
-            let found = curve.foot_within(p, [start, start.powu(zk)], limit);
-            let whole = curve.closest(p);
+            let foot = curve.foot_within(p, [start, start.powu(zk)], limit);
+            let closest = curve.closest(p);
             assert_eq!(
-                found.is_some(),
-                whole.distance < limit,
+                foot.is_some(),
+                closest.distance < limit,
                 "{zk} {k}: {}",
-                whole.distance
+                closest.distance
             );
-            match found {
+            match foot {
                 Some(foot) => {
-                    assert!((foot.distance - whole.distance).abs() < 1e-15, "{zk} {k}");
+                    assert!((foot.distance - closest.distance).abs() < 1e-15, "{zk} {k}");
                     near += 1;
                 }
                 None => far += 1,

@@ -76,7 +76,7 @@ fn numbers<S: Simd>(simd: S) {
     let (a, b) = (Lanes::load(simd, &x), Lanes::load(simd, &y));
     for k in 0..x.len() {
         let (x, y) = (x[k], y[k]);
-        for (name, found, exact) in [
+        for (name, actual, exact) in [
             ("+", a + b, x + y),
             ("-", a - b, x - y),
             ("*", a * b, x * y),
@@ -90,7 +90,7 @@ fn numbers<S: Simd>(simd: S) {
             ("or_where", a.or_where(a.less(b), b), x.min(y)),
             ("like", a.like(0.7), 0.7),
         ] {
-            assert_eq!(found.as_slice()[k], exact, "{name} {x} {y}");
+            assert_eq!(actual.as_slice()[k], exact, "{name} {x} {y}");
         }
         let fused = a.mul_add(b, a).as_slice()[k];
         assert!((fused - (x * y + x)).abs() < 4e-15, "{fused}");
@@ -157,7 +157,7 @@ fn vectors<S: Simd>(simd: S) {
         let (x, y) = (a.lane(k), b.lane(k));
         assert_eq!(x, Complex::new(a.re.as_slice()[k], a.im.as_slice()[k]));
         let none = Complex::new(0.0, 0.0);
-        for (name, found, exact) in [
+        for (name, actual, exact) in [
             ("+", a + b, x + y),
             ("-", a - b, x - y),
             ("*", a * b, x * y),
@@ -172,7 +172,7 @@ fn vectors<S: Simd>(simd: S) {
                 Complex::unit(0.3),
             ),
         ] {
-            let off = (found.lane(k) - exact).norm();
+            let off = (actual.lane(k) - exact).norm();
             assert!(off < 8e-15, "{name} {x:?} {y:?}: off by {off:e}");
         }
         let off = a.dot(b).as_slice()[k] - (x.re * y.re + x.im * y.im);

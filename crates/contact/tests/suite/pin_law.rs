@@ -47,7 +47,7 @@ proptest! {
         let [force, elastic, stored] = law.observed(hertz, depth, rate);
         let x = depth - elastic / pin;
         if softer < 1.0 {
-            // Where most of the approach is the pin's, the remainder is less accurate.
+            // The remainder is less accurate if most of the approach is the pin's.
             prop_assert!((plain.force(hertz, x, 0.0) / elastic - 1.0).abs() < 1e-11, "{name} {x}");
         }
         prop_assert!(force.is_finite() && (force - elastic) * rate >= 0.0);

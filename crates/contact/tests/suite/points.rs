@@ -30,10 +30,10 @@ proptest! {
         let points = points.unwrap();
         let at = curve.at(a);
         let p = at.position - at.normal.scale(depth);
-        let (_, found) = points.nearest(p, curve.closest(p).parameter());
+        let (_, nearest) = points.nearest(p, curve.closest(p).parameter());
         let vertices = (0..count).map(|k| vertex(&curve, q, TAU / count as f64 * k as f64));
             let scan = vertices.map(|v| (p - v).norm2()).fold(f64::INFINITY, f64::min);
-        prop_assert!(found == scan, "{found} {scan}");
+        prop_assert!(nearest == scan, "{nearest} {scan}");
         let start = [a + off, f64::from(zk) * (a + off)].map(Complex::unit);
         match curve.unit_within(p, start, 0.0) {
             Some(unit) => prop_assert!(points.nearest(p, unit.arg()).1 == scan, "{scan}"),
@@ -46,10 +46,10 @@ proptest! {
     fn nearest_hole_point_is_the_scan_s(count in 8_usize..200, angle in -3.2_f64..3.2) {
         let points = HolePoints::new(count);
         let offset = Complex::unit(angle).scale(0.0028);
-        let found = points.nearest(offset).dot(offset);
+        let reach = points.nearest(offset).dot(offset);
         let directions = (0..count).map(|k| Complex::unit(TAU / count as f64 * k as f64));
             let scan = directions.map(|d| d.dot(offset)).fold(f64::MIN, f64::max);
-        prop_assert!((found - scan).abs() < 1e-15);
+        prop_assert!((reach - scan).abs() < 1e-15);
     }
 }
 
@@ -65,8 +65,8 @@ fn the_walk_goes_both_ways() {
         let p = at.position - at.normal.scale(0.006 + 1e-5);
         let (_, right) = points.nearest(p, a);
         for wrong in [-6.0, -2.3, -1.2, 1.2, 2.3, 6.0] {
-            let (_, found) = points.nearest(p, a + wrong * step);
-            assert_eq!(found, right, "{k} {wrong}");
+            let (_, vertex) = points.nearest(p, a + wrong * step);
+            assert_eq!(vertex, right, "{k} {wrong}");
         }
     }
 }
@@ -84,11 +84,11 @@ fn fine_points_have_the_exact_curvature() {
         let a = TAU * k as f64 / 40_000.0;
         let kappa = curve.at(a).curvature;
         let exact = hertz.of_edge(0.006, 0.006, kappa);
-        let found = points
+        let actual = points
             .nearest(vertex(&curve, 0.006, a), a)
             .0
             .stiffness(0.006, &hertz);
-        assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} {exact}");
+        assert!((actual / exact - 1.0).abs() < 2e-3, "{k}: {actual} {exact}");
     }
 }
 

@@ -49,7 +49,7 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
     };
     let h = 2e-8;
     let (mut s, mut w, mut t) = (0.0, -v, 0.0);
-    let mut seen = Impact {
+    let mut impact = Impact {
         time: 0.0,
         depth: 0.0,
         force: 0.0,
@@ -65,12 +65,12 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
         s += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
         w += h / 6.0 * (l1 + 2.0 * (l2 + l3) + l4);
         t += h;
-        seen.depth = seen.depth.max(-s);
-        seen.force = seen.force.max(force(s, w));
+        impact.depth = impact.depth.max(-s);
+        impact.force = impact.force.max(force(s, w));
         if s >= 0.0 && w > 0.0 {
-            seen.time = t - h * s / (s - before);
-            seen.speed_out = w;
-            return seen;
+            impact.time = t - h * s / (s - before);
+            impact.speed_out = w;
+            return impact;
         }
         assert!(t < 0.1, "the pin stays");
     }
@@ -92,28 +92,28 @@ fn undamped_impact_is_hertz_s() {
         for v in [0.05, 0.5] {
             let k = stiffness_at(a);
             let depth = (5.0 * MASS * v * v / (4.0 * k)).powf(0.4);
-            let seen = drop_on_profile(law, a, v);
+            let impact = drop_on_profile(law, a, v);
             // Measured below 2e-7 for all; the step cuts the peaks by (w h)^2/8.
             assert!(
-                (seen.depth / depth - 1.0).abs() < 1e-6,
+                (impact.depth / depth - 1.0).abs() < 1e-6,
                 "{a} {v}: {}",
-                seen.depth
+                impact.depth
             );
             assert!(
-                (seen.force / (k * depth.powf(1.5)) - 1.0).abs() < 1e-6,
+                (impact.force / (k * depth.powf(1.5)) - 1.0).abs() < 1e-6,
                 "{}",
-                seen.force
+                impact.force
             );
             let time = TIME * depth / v;
             assert!(
-                (seen.time / time - 1.0).abs() < 1e-6,
+                (impact.time / time - 1.0).abs() < 1e-6,
                 "{} {time}",
-                seen.time
+                impact.time
             );
             assert!(
-                (seen.speed_out / v - 1.0).abs() < 1e-9,
+                (impact.speed_out / v - 1.0).abs() < 1e-9,
                 "{}",
-                seen.speed_out
+                impact.speed_out
             );
         }
     }

@@ -76,8 +76,8 @@ fn published_approach_of_rollers() {
                 if a > 0.2 * pin {
                     continue;
                 }
-                let found = law.force(k, delta, 0.0);
-                assert!((found / force - 1.0).abs() < 1e-11, "{found} {force}");
+                let actual = law.force(k, delta, 0.0);
+                assert!((actual / force - 1.0).abs() < 1e-11, "{actual} {force}");
                 assert!((law.depth(k, force) / delta - 1.0).abs() < 1e-13);
                 let h = 1e-4 * force;
                 let slope = 2.0 * h / (case.approach(force + h) - case.approach(force - h));
@@ -124,7 +124,7 @@ fn crossval_approaches_of_a_prototype() {
         ..LawParameters::default()
     };
     let laws = ["paper", "line-contact", "kunert", "line-hertz"];
-    for (what, pin, radius, force, found) in [
+    for (what, pin, radius, force, figures) in [
         (
             "flank",
             2.65e-3,
@@ -162,7 +162,7 @@ fn crossval_approaches_of_a_prototype() {
             ],
         ),
     ] {
-        for (name, [approach, exponent, tangent]) in laws.into_iter().zip(found) {
+        for (name, [approach, exponent, tangent]) in laws.into_iter().zip(figures) {
             let law = Law::named(name, &parameters).unwrap();
             let k = parameters.hertz(name).of(pin, radius);
             let depth = law.depth(k, force);
@@ -206,8 +206,8 @@ fn published_lundberg() {
                 let b = (4.0 * force * softness * radius / (PI * 0.015)).sqrt();
                 let delta =
                     2.0 * force / (PI * 0.015) * softness * (1.8864 + (0.015 / (2.0 * b)).ln());
-                let found = law.force(hertz.of(pin, radius), delta, 0.0);
-                assert!((found / force - 1.0).abs() < 1e-11, "{found} {force}");
+                let actual = law.force(hertz.of(pin, radius), delta, 0.0);
+                assert!((actual / force - 1.0).abs() < 1e-11, "{actual} {force}");
             }
         }
     }

@@ -9,9 +9,9 @@ fn hard_outlines_without_a_load() {
     let mut scene = Scene::paper();
     let loaded = Corners::of(&scene, [1e6; 2]).unwrap();
     scene.drive.output_torque_n_m = 0.0;
-    let found = Corners::of(&scene, [1e6; 2]).unwrap();
-    assert_eq!((found.wheel, found.hole), (EDGE_POINTS, HOLE_POINTS));
-    assert!(loaded.wheel >= found.wheel);
+    let unloaded = Corners::of(&scene, [1e6; 2]).unwrap();
+    assert_eq!((unloaded.wheel, unloaded.hole), (EDGE_POINTS, HOLE_POINTS));
+    assert!(loaded.wheel >= unloaded.wheel);
     // Under a load with a tiny penetration the polygon limits the accuracy.
     scene.drive.output_torque_n_m = 22.0;
     let refused = Corners::of(&scene, [1e11; 2]).unwrap_err();

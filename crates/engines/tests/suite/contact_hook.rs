@@ -18,7 +18,7 @@ fn transmits_the_law_and_bounds_friction() {
     let mut world = World::new(gearbox, step_s, SWEEPS);
     let field = gearbox.contact_field().unwrap();
     let mut hooked = Hooked::new(gearbox, field, &mut world, step_s);
-    let (mut now, mut seen) = (Vec::new(), 0);
+    let (mut now, mut sliding) = (Vec::new(), 0);
     for step in 0..300 {
         world.at_node(&mut now);
         let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
@@ -33,27 +33,27 @@ fn transmits_the_law_and_bounds_friction() {
         let mut got = Vec::new();
         hooked.transmitted(&world, share, &mut |pair| got.push(*pair));
         for pair in asked.iter().filter(|pair| pair.normal_force_n > 0.0) {
-            let found = got
+            let point = got
                 .iter()
-                .find(|found| found.wheel == pair.wheel && found.sleeve == pair.sleeve)
+                .find(|point| point.wheel == pair.wheel && point.sleeve == pair.sleeve)
                 .unwrap_or_else(|| panic!("step {step}: {pair:?} is missing"));
-            let (force, wanted) = (found.normal_force_n, pair.normal_force_n);
+            let (force, wanted) = (point.normal_force_n, pair.normal_force_n);
             assert!(
                 (force - wanted).abs() < 1e-6 * wanted + 1e-5,
                 "step {step}: {force} for {wanted}"
             );
-            assert!(found.friction_force_n.abs() <= 0.1 * force * (1.0 + 1e-9));
+            assert!(point.friction_force_n.abs() <= 0.1 * force * (1.0 + 1e-9));
             // Clear sliding is opposed by all of mu F_n.
             if pair.tangential_rate_m_s.abs() > 0.05 {
                 let full = -0.1 * force * pair.tangential_rate_m_s.signum();
                 assert!(
-                    (found.friction_force_n - full).abs() < 1e-9 * force + 1e-5,
-                    "{found:?} {full}"
+                    (point.friction_force_n - full).abs() < 1e-9 * force + 1e-5,
+                    "{point:?} {full}"
                 );
-                seen += 1;
+                sliding += 1;
             }
         }
         assert_eq!(got.len(), asked.len());
     }
-    assert!(seen > 100, "only {seen} sliding contacts");
+    assert!(sliding > 100, "only {sliding} sliding contacts");
 }

@@ -16,6 +16,6 @@ fn pieces_are_counted_and_fit() {
     // The line follows `stability [========] 00:59:59: `.
     assert!(line.len() + 31 <= 80);
     assert!(run(Some(6100.0)).sentence().ends_with(", 1.7 h left"));
-    // One run of many pieces says nothing of the others.
+    // The pace of one run among many does not predict the others.
     assert!(run(None).sentence().ends_with("colliders"));
 }

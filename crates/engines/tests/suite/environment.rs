@@ -109,7 +109,7 @@ fn packages_that_cannot_be_had_leave_nothing_behind() {
 }
 
 #[test]
-fn an_environment_without_its_packages_is_not_whole() {
+fn an_environment_without_its_packages_is_incomplete() {
     let cache = tempfile::tempdir().unwrap();
     let made = ensure(NOTHING, &interpreter(), cache.path(), None, &GO).unwrap();
     assert!(complete(&made.folder, NOTHING, &GO).is_some());
@@ -161,7 +161,7 @@ fn a_call_ends_with_the_users_stop() {
     let python = interpreter().candidates.remove(0);
     let cancel = AtomicBool::new(false);
     let start = std::time::Instant::now();
-    let said = thread::scope(|scope| {
+    let output = thread::scope(|scope| {
         let sleep = ["-I", "-c", "import time; time.sleep(60)"];
         let (python, cancel) = (&python, &cancel);
         let called = scope.spawn(move || call(python, sleep, None, cancel));
@@ -169,12 +169,12 @@ fn a_call_ends_with_the_users_stop() {
         cancel.store(true, Ordering::Relaxed);
         called.join().unwrap()
     });
-    assert_eq!(said, Err("stopped".to_owned()));
+    assert_eq!(output, Err("stopped".to_owned()));
     assert!(start.elapsed() < Duration::from_secs(20));
 }
 
 #[test]
-fn pip_installs_where_it_is_told_to() {
+fn pip_installs_into_the_given_folder() {
     for away in [
         "PIP_TARGET",
         "PIP_DRY_RUN",
@@ -191,9 +191,9 @@ fn pip_installs_where_it_is_told_to() {
 
 #[test]
 fn an_environment_of_the_user_is_not_to_be_removed() {
-    let said = |named| unusable(Path::new("/home/me/env"), named, "why").to_string();
-    assert!(said(false).contains("remove /home/me/env"));
-    assert!(!said(true).contains("remove") && said(true).contains("pip install"));
+    let message = |named| unusable(Path::new("/home/me/env"), named, "why").to_string();
+    assert!(message(false).contains("remove /home/me/env"));
+    assert!(!message(true).contains("remove") && message(true).contains("pip install"));
 }
 
 #[test]

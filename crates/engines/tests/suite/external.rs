@@ -84,10 +84,10 @@ fn a_run_with_everything_it_may_tell() {
         grep -q '"protocol": 1' "$1/scene.json" || exit 9
         echo junk > "$1/more.txt""#
     ));
-    let seen = Mutex::new(Vec::new());
+    let times = Mutex::new(Vec::new());
     let progress = |at: Progress<'_>| {
         let [t, _] = at.simulated_s.expect("a run");
-        seen.lock().expect("lock").push(t);
+        times.lock().expect("lock").push(t);
     };
     let never = AtomicBool::new(false);
     let control = Control::new(&never, &progress);
@@ -99,8 +99,8 @@ fn a_run_with_everything_it_may_tell() {
     );
     assert_eq!(run.stats.notes, ["a remark", "another"]);
     // Only stderr may have commands.
-    let seen = seen.into_inner().expect("lock");
-    assert!(seen.contains(&0.01) && !seen.contains(&0.015));
+    let times = times.into_inner().expect("lock");
+    assert!(times.contains(&0.01) && !times.contains(&0.015));
     assert!(run.stats.cpu_s < 5.0 && run.stats.wall_s > 0.0);
 }
 
@@ -191,8 +191,8 @@ fn hard_what_it_does_wrong_is_one_line() {
             "result.json is a link",
         ),
     ] {
-        let said = Script::new(body).fails();
-        assert!(said.contains(words), "{body}\n{said}");
+        let error = Script::new(body).fails();
+        assert!(error.contains(words), "{body}\n{error}");
     }
 }
 
@@ -221,8 +221,8 @@ fn hard_results_in_parquet() {
             "courses.parquet is a link",
         ),
     ] {
-        let said = Script::new(&body).fails();
-        assert!(said.contains(words), "{body}\n{said}");
+        let error = Script::new(&body).fails();
+        assert!(error.contains(words), "{body}\n{error}");
     }
 }
 
@@ -325,8 +325,8 @@ fn hard_huge_output_is_ended() {
         "for i in $(seq 500); do echo \"@note $i\" >&2; done",
         "head -c 3000000 /dev/zero | tr '\\0' 'x' >&2; echo >&2",
     );
-    for said in [format!("{many}; {long}"), format!("{long}; {many}")] {
-        let talk = Script::new(&format!("{COPY}; {said}"));
+    for log in [format!("{many}; {long}"), format!("{long}; {many}")] {
+        let talk = Script::new(&format!("{COPY}; {log}"));
         let notes = talk.run().expect("it runs").stats.notes;
         assert_eq!(notes.len(), 20, "{notes:?}");
     }
@@ -339,8 +339,8 @@ fn hard_a_swapped_folder_is_not_followed() {
         "mkdir \"$2/elsewhere\"; cp \"$2/good.csv\" \"$2/elsewhere/courses.csv\"; mv \"$1\" \"$2/moved\"; \
          ln -s \"$2/elsewhere\" \"$1\"",
     );
-    let said = script.fails();
-    assert!(said.contains("it wrote no courses.csv"), "{said}");
+    let error = script.fails();
+    assert!(error.contains("it wrote no courses.csv"), "{error}");
     assert!(!script.read("elsewhere/courses.csv").is_empty());
 }
 
@@ -348,10 +348,10 @@ fn hard_a_swapped_folder_is_not_followed() {
 fn bad_input_a_program_that_is_not_there() {
     let script = Script::new("exit 0");
     std::fs::remove_file(script.folder.path().join("solver.sh")).expect("removed");
-    let said = script.fails();
+    let error = script.fails();
     assert!(
-        said.contains("does not start") && said.contains("build it"),
-        "{said}"
+        error.contains("does not start") && error.contains("build it"),
+        "{error}"
     );
 }
 

@@ -185,7 +185,7 @@ fn a_law_that_is_gone_detaches_and_equal_data_are_evicted() {
     let places = places(&gearbox);
     let mut machines = [places.len(); 2].map(Machine::new);
     attach(&first, &places, &mut machines[0], 0x6000);
-    // The same address again: only its new owner is called.
+    // Only the new owner of a reused address is called.
     attach(&second, &places, &mut machines[1], 0x6000);
     step(0x6000);
     assert_eq!((machines[0].counters[0], machines[1].counters[0]), (0, 1));

@@ -93,9 +93,9 @@ fn a_kept_run_is_the_run() {
     let (store, engine) = opened(dir.path(), false, "1");
     // Names do not affect a run.
     let named = gearbox(&[("name", "\"other\"")]);
-    let found = engine.kept(&named, None).unwrap();
-    assert_eq!(found.stats.kept.as_deref(), Some("2026-01-31 on a machine"));
-    assert_eq!(bits(&found), bits(&run()));
+    let read = engine.kept(&named, None).unwrap();
+    assert_eq!(read.stats.kept.as_deref(), Some("2026-01-31 on a machine"));
+    assert_eq!(bits(&read), bits(&run()));
     assert_eq!(
         (store.added(), store.cost_s("fake", &scene.scene)),
         (0, Some(3.5))
@@ -156,11 +156,11 @@ fn an_ending_that_may_pass_is_not_kept() {
         reason: "slow".to_owned(),
     };
     engine.keep(&scene, &run().with_ending(late.clone()), most);
-    for (allowed, found) in [(less, true), (most, true), (more, false), (None, false)] {
+    for (allowed, reused) in [(less, true), (most, true), (more, false), (None, false)] {
         let kept = engine.kept(&scene, allowed);
         assert_eq!(
             kept.map(|run| run.ending),
-            found.then(|| late.clone()),
+            reused.then(|| late.clone()),
             "{allowed:?}"
         );
     }
@@ -174,13 +174,13 @@ fn bad_input_damaged_files_are_made_anew() {
     let scene = gearbox(&[]);
     engine.keep(&scene, &run(), None);
     let [path] = internals::files(dir.path()).try_into().unwrap();
-    let whole = std::fs::read(&path).unwrap();
-    let body = whole.iter().position(|byte| *byte == b'\n').unwrap() + 1;
-    assert!(internals::reads(&whole[body..]) && !internals::reads(&whole[body..whole.len() - 8]));
-    let mut damaged: Vec<Vec<u8>> = vec![Vec::new(), b"foreign".to_vec(), whole[..body].to_vec()];
-    damaged.push(whole[..whole.len() - 1].to_vec());
-    for at in (0..whole.len()).step_by(97) {
-        let mut other = whole.clone();
+    let file = std::fs::read(&path).unwrap();
+    let body = file.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    assert!(internals::reads(&file[body..]) && !internals::reads(&file[body..file.len() - 8]));
+    let mut damaged: Vec<Vec<u8>> = vec![Vec::new(), b"foreign".to_vec(), file[..body].to_vec()];
+    damaged.push(file[..file.len() - 1].to_vec());
+    for at in (0..file.len()).step_by(97) {
+        let mut other = file.clone();
         other[at] ^= 1;
         damaged.push(other);
     }
@@ -188,13 +188,13 @@ fn bad_input_damaged_files_are_made_anew() {
         std::fs::write(&path, bytes).unwrap();
         let (store, engine) = opened(dir.path(), false, "1");
         assert!(engine.kept(&scene, None).is_none());
-        let [said] = store.messages().try_into().unwrap();
+        let [message] = store.messages().try_into().unwrap();
         assert!(
-            said.contains("fake") && said.contains("made anew"),
-            "{said}"
+            message.contains("fake") && message.contains("made anew"),
+            "{message}"
         );
         engine.keep(&scene, &run(), None);
-        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        assert_eq!(std::fs::read(&path).unwrap(), file);
     }
 }
 

@@ -16,6 +16,6 @@ fn hard_long_lines_are_cut() {
     }
     assert_eq!(heard.bytes, 200 << 14);
     assert!(heard.lines.iter().all(|line| line.len() == LINE));
-    let last = heard.last().expect("it said something");
+    let last = heard.last().expect("it logged lines");
     assert_eq!(last, "x".repeat(WORDS));
 }

@@ -70,7 +70,7 @@ fn a_manifest_as_documented() {
         let refused = manifest.refuses(&scene(&[set]));
         assert!(refused.is_some_and(|why| why.contains(key)), "{key}");
     }
-    // Seats, slots, shared pins and sizes of warm parts stand in the law's library; flanges stand behind the output.
+    // The law's library includes seats, slots, shared pins and warm parts; flanges are behind the output.
     for (key, size, refuses) in [
         ("ring_seat_length_m", "0.008", true),
         ("ring_slot_clearance_m", "2e-6", true),

@@ -43,14 +43,14 @@ fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
             println!("{preset}, {step}: {off:.1e}, {}", known.sentence());
             assert!(off <= target, "{preset}, {step}: {off:e}");
             // Its levels are evidence for a comparison.
-            let (found, ladder) = (&run.time_series, known.ladder.as_ref().unwrap());
-            let names = found.channels().iter().map(|channel| channel.name.clone());
+            let (series, ladder) = (&run.time_series, known.ladder.as_ref().unwrap());
+            let names = series.channels().iter().map(|channel| channel.name.clone());
             let names: Vec<String> = names.filter(|name| name.starts_with("external")).collect();
-            let samples = 0..found.len();
+            let samples = 0..series.len();
             let [own, truth] =
-                [found, &exact].map(|run| View::of(run, &names, samples.clone()).unwrap());
+                [series, &exact].map(|run| View::of(run, &names, samples.clone()).unwrap());
             let off = relative_l2(&own, &truth, 0.0);
-            let known = ladder.estimate(found, &names, &samples, 0.0, true);
+            let known = ladder.estimate(series, &names, &samples, 0.0, true);
             let u = known.unwrap().relative_l2.unwrap();
             println!("{preset}, {step}: {off:.1e}, {u:.1e} stated");
             assert!(off <= u && u <= target, "{preset}, {step}: {off:e}, {u:e}");

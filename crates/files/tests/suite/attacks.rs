@@ -219,7 +219,7 @@ fn bad_input_a_file_that_comes_during_the_run_stays() {
 }
 
 #[test]
-fn regress_an_output_appears_whole_with_the_usual_mode() {
+fn regress_an_output_appears_complete_with_the_usual_mode() {
     let dir = tempdir().unwrap();
     let usual = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
     let plain = dir.path().join("plain");
@@ -243,10 +243,10 @@ fn regress_an_output_appears_whole_with_the_usual_mode() {
 fn regress_a_part_never_replaces_a_complete_output() {
     let dir = tempdir().unwrap();
     let x = dir.path().join("x");
-    let one = |whole: bool| {
+    let one = |complete: bool| {
         let folder = ask(&x, false).unwrap();
         fs::write(folder.path().join("summary.json"), "{}").unwrap();
-        let place = match whole {
+        let place = match complete {
             true => folder.publish(),
             false => folder.publish_partial(),
         };

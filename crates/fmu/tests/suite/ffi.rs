@@ -138,8 +138,8 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         }
         macro_rules! function {
             ($kind:ty, $name:literal) => {{
-                let found: Symbol<'_, $kind> = library.get($name).expect("there");
-                found
+                let symbol: Symbol<'_, $kind> = library.get($name).expect("there");
+                symbol
             }};
         }
         let version = function!(Text, b"fmi2GetVersion");
@@ -234,9 +234,9 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         let reset = function!(Plain, b"fmi2Reset");
         assert_eq!((reset(unit), setup(unit, 1, 1e-9, 0.0, 0, 0.0)), (0, 0));
         assert_eq!((enter(unit), exit(unit)), (0, 0));
-        let told = "1 gear %s logStatusWarning the tolerance 1e-9 has no effect on the scene's method (rk2, steps of 1e-5 s)";
+        let text = "1 gear %s logStatusWarning the tolerance 1e-9 has no effect on the scene's method (rk2, steps of 1e-5 s)";
         let heard = HEARD.lock().expect("heard").clone();
-        assert!(heard.iter().any(|line| line.starts_with(told)), "{heard:?}");
+        assert!(heard.iter().any(|line| line.starts_with(text)), "{heard:?}");
 
         free(unit);
         free(unit);
@@ -269,8 +269,8 @@ fn hard_units_under_threads() {
         let library = Library::new(library()).expect("loads");
         macro_rules! function {
             ($kind:ty, $name:literal) => {{
-                let found: Symbol<'_, $kind> = library.get($name).expect("there");
-                *found
+                let symbol: Symbol<'_, $kind> = library.get($name).expect("there");
+                *symbol
             }};
         }
         let instantiate = function!(Instantiate, b"fmi2Instantiate");

@@ -88,10 +88,10 @@ fn hard_entries_are_those_of_the_standard() {
         let mut entries = BTreeMap::new();
         for k in 0..archive.len() {
             let mut entry = archive.by_index(k).expect("an entry");
-            let (mut content, told) = (Vec::new(), entry.size());
+            let (mut content, size) = (Vec::new(), entry.size());
             // Reading to the end verifies the check sum.
-            entry.read_to_end(&mut content).expect("whole");
-            assert_eq!(content.len() as u64, told, "{name}");
+            entry.read_to_end(&mut content).expect("complete");
+            assert_eq!(content.len() as u64, size, "{name}");
             assert!(entry.enclosed_name().is_some(), "{name}: {}", entry.name());
             let library = entry.name().starts_with("binaries/");
             let mode = entry.unix_mode().map(|mode| mode & 0o777);
@@ -171,7 +171,7 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
         let run = native::run(&gearbox, &mut |_| false)
             .expect("run")
             .finished()
-            .expect("whole");
+            .expect("complete");
         let file = fs::File::create(&time_series).expect("file");
         run.time_series
             .write_csv(BufWriter::new(file))
@@ -182,8 +182,8 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
             .output()
             .expect("Python starts");
         println!("{scene}\n{}", String::from_utf8_lossy(&measured.stdout));
-        let said = String::from_utf8_lossy(&measured.stderr);
-        assert!(measured.status.success(), "{scene}: {said}");
+        let errors = String::from_utf8_lossy(&measured.stderr);
+        assert!(measured.status.success(), "{scene}: {errors}");
     }
 }
 

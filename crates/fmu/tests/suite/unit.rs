@@ -16,8 +16,8 @@ fn model(scene: &str, sets: &[&str]) -> Arc<Model> {
 }
 
 fn reference(model: &Model, name: &str) -> u32 {
-    let found = model.variables().iter().position(|v| v.name == name);
-    u32::try_from(found.expect(name)).expect("few")
+    let index = model.variables().iter().position(|v| v.name == name);
+    u32::try_from(index.expect(name)).expect("few")
 }
 
 fn begun(model: &Arc<Model>, reals: &[(&str, f64)], flags: &[(&str, bool)]) -> Instance {
@@ -60,7 +60,7 @@ fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let run = native::run(&gearbox, &mut |_| false)
         .expect("run")
         .finished()
-        .expect("whole");
+        .expect("complete");
     let mut unit = begun(&model, &[], &[]);
     let sample = model.scene().solver.sample_s;
     let each = (sample / step_s).max(1.0).round() as usize;
@@ -411,8 +411,8 @@ fn variables_do_something_and_say_what() {
         element.about
     );
     let of = |name: &str| {
-        let found = model.variables().iter().find(|v| v.name == name);
-        found.expect(name).clone()
+        let variable = model.variables().iter().find(|v| v.name == name);
+        variable.expect(name).clone()
     };
     let speed = of("drive_speed_rad_s");
     assert!(speed.limits().iter().all(|limit| limit.is_finite()));

@@ -55,14 +55,14 @@ fn steps_come_from_the_scenes_frequencies() {
     let mut scene = Scene::paper();
     let paper = plan(&scene, TARGET);
     assert!((paper.step_s / 1e-5 - 1.0).abs() < 0.3, "{}", paper.step_s);
-    let found = Frequencies::of(&scene);
+    let frequencies = Frequencies::of(&scene);
     // Two runs by it must not take equal steps, which end at samples and at entries of the account.
-    let seen = (scene.solver.sample_s / (10.0 * paper.step_s)).ceil();
-    let longest = (1.25 * found.longest_step_s()).min(scene.solver.sample_s / seen);
+    let taken = (scene.solver.sample_s / (10.0 * paper.step_s)).ceil();
+    let longest = (1.25 * frequencies.longest_step_s()).min(scene.solver.sample_s / taken);
     assert!((paper.longest_step_s / longest - 1.0).abs() < 1e-12);
     let (samples, radians) = (
         scene.solver.duration_s / scene.solver.sample_s,
-        scene.solver.duration_s * found.contact_rad_s,
+        scene.solver.duration_s * frequencies.contact_rad_s,
     );
     let counted = [samples.max(radians / 1.25), samples + 6.0 * radians];
     for count in counted {
@@ -118,7 +118,7 @@ fn settings_follow_the_promise() {
         let plans = chain(scene, target);
         move |name: &str| plans.iter().find(|p| p.integrator == name).unwrap().clone()
     };
-    let near = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 1e-12;
+    let near = |actual: f64, wanted: f64| (actual / wanted - 1.0).abs() < 1e-12;
     let contact = Frequencies::of(&scene).contact_rad_s;
     assert!(near(of(&scene, 1e-3)("rk4").step_s, 0.1 / contact));
     assert!(near(of(&scene, 1e-5)("rk4").step_s, 0.01 / contact));
@@ -154,7 +154,7 @@ fn finer_plans_take_shorter_steps() {
         longest_step_s: 1.0,
         reason: String::new(),
     };
-    let near = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 1e-12;
+    let near = |actual: f64, wanted: f64| (actual / wanted - 1.0).abs() < 1e-12;
     for (name, factor, longest) in [
         ("dopri5", 32.0, 0.5),
         ("imex2-adaptive", 4.0, 0.5),
@@ -191,8 +191,8 @@ fn the_coarser_run_sees_half_as_much() {
     };
     let sparse = |plan: &Plan, duration_s: f64| {
         let changed = gearbox.with_solver(|solver| solver.duration_s = duration_s);
-        let seen = plan.applied_sparsely(&changed.unwrap()).unwrap();
-        (seen.scene.solver.step_s, seen.scene.solver.sample_s)
+        let applied = plan.applied_sparsely(&changed.unwrap()).unwrap();
+        (applied.scene.solver.step_s, applied.scene.solver.sample_s)
     };
     assert_eq!(sparse(&plan, 4e-3), (2e-5, 2e-3));
     // Half of less than four samples would be too few.

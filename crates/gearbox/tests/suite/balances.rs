@@ -226,7 +226,7 @@ fn newton_finds_what_brackets_find() {
 /// Started from the equilibrium of the previous pose: equal angles to rounding in fewer evaluations, with play, errors and
 /// almost no load.
 #[test]
-fn the_next_pose_is_found_from_the_last() {
+fn the_next_pose_starts_from_the_last() {
     for (preset, share) in [
         ("paper", 1.0),
         ("steel", 1.0),
@@ -346,10 +346,10 @@ fn a_path_leads_to_the_balances_from_scratch() {
         for k in 0..40 {
             let phi = 7.03 * meshed * f64::from(k);
             let ideal = gearbox.geometry.ideal_output_angle(phi);
-            let found = path.track(&mut last, phi, load).unwrap().output - ideal;
+            let twist = path.track(&mut last, phi, load).unwrap().output - ideal;
             if k % 8 == 7 {
                 let expected = afresh.solve(phi, load).unwrap().output - ideal;
-                worst = worst.max((found / expected - 1.0).abs());
+                worst = worst.max((twist / expected - 1.0).abs());
             }
         }
         let [balances, known] = path.balances();

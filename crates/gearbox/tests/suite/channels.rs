@@ -171,8 +171,8 @@ fn channels_fit_together() {
                     // By Hertz' law K grows with the root of the radius and the pressure falls with it; the radius of holes is
                     // known.
                     if kind == "external" && force > 1.0 {
-                        let found = pressure * of("stiffness_n_m15") / force.sqrt();
-                        assert!((found / hertz - 1.0).abs() < HERTZ, "{found} {hertz}");
+                        let actual = pressure * of("stiffness_n_m15") / force.sqrt();
+                        assert!((actual / hertz - 1.0).abs() < HERTZ, "{actual} {hertz}");
                     }
                 }
             }

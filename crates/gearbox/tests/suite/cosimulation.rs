@@ -167,8 +167,8 @@ fn tolerances_are_those_asked_for() {
         ..Setup::of(&gear.scene.drive)
     };
     let unit = CoSimulation::new(&gear, setup).unwrap();
-    let found = unit.method().1;
-    assert!((found / 1e-7 - 1.0).abs() < 1e-9, "{found:e}");
+    let tolerance = unit.method().1;
+    assert!((tolerance / 1e-7 - 1.0).abs() < 1e-9, "{tolerance:e}");
 }
 
 /// States of equal length for other shafts are refused without a change.

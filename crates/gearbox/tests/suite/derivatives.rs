@@ -213,7 +213,7 @@ fn compare(
     let weight = |row: usize, k: usize| size(row) / if k < 2 * n { size(k) } else { 1.0 };
     let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
     assert!(system.jacobian(t, y, &mut jacobian));
-    let (mut seen, mut kinks) = (0, 0);
+    let (mut compared, mut kinks) = (0, 0);
     // The dependence on rates has kinks only, whose two sides may differ by as little as the bound below.
     for (columns, h, bent) in [
         (0..n, 2e-8, 1e-2),
@@ -243,7 +243,7 @@ fn compare(
                     _ => jacobian.time[row],
                 };
                 let (a, b) = (coarse[n + row], fine[n + row]);
-                seen += 1;
+                compared += 1;
                 if (a - b).abs() > 2e-6 * largest || bend[n + row].abs() > bent * largest {
                     kinks += 1;
                     continue;
@@ -266,7 +266,7 @@ fn compare(
             }
         }
     }
-    Ok((seen, kinks))
+    Ok((compared, kinks))
 }
 
 proptest! {
@@ -304,10 +304,10 @@ proptest! {
         for (a, b) in lanes.iter().zip(scalar) {
             prop_assert!((a - b).abs() < 1e-5 * most, "{} lanes {a:e} scalar {b:e} of {most:e}", LAWS[law]);
         }
-        let (seen, kinks) =
+        let (compared, kinks) =
             compare(&gearbox, &mut system, t, &y, free.len()).map_err(TestCaseError::fail)?;
         // Poses with almost no contacts are skipped.
-        prop_assume!(kinks * 4 <= seen);
+        prop_assume!(kinks * 4 <= compared);
     }
 }
 
@@ -380,8 +380,8 @@ fn have_slopes(preset: &str, sets: &[&str]) {
         );
     }
     let angles = system.free_bodies().len();
-    let (seen, kinks) = compare(&gearbox, &mut system, 0.0, &y, angles).unwrap();
-    assert!(kinks * 4 <= seen, "{sets:?}: {kinks} of {seen}");
+    let (compared, kinks) = compare(&gearbox, &mut system, 0.0, &y, angles).unwrap();
+    assert!(kinks * 4 <= compared, "{sets:?}: {kinks} of {compared}");
 }
 
 /// A contact begins a twelfth of a step from the state: both steps include half of its slope, which is small so soon after the
@@ -409,8 +409,8 @@ fn a_contact_that_just_begins_is_a_kink() {
     }
     for k in 0..40 {
         let y = of(high + 2.5e-10 * f64::from(k));
-        let found = compare(&gearbox, &mut system, t, &y, free.len());
-        assert!(found.is_ok(), "{k}: {found:?}");
+        let outcome = compare(&gearbox, &mut system, t, &y, free.len());
+        assert!(outcome.is_ok(), "{k}: {outcome:?}");
     }
 }
 
@@ -456,17 +456,17 @@ proptest! {
         let free = systems[0].free_bodies().to_vec();
         let n = free.len();
         let y = state(&gearbox, t, twist, &noise, &free);
-        let [whole, normal] = [0, 1].map(|k| entries(&mut systems[k], t, &y));
-        let exact: Vec<f64> = whole.iter().zip(&normal).map(|(a, b)| a - b).collect();
-        let (largest, all) = [&exact, &whole].map(|v| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()))).into();
+        let [total, normal] = [0, 1].map(|k| entries(&mut systems[k], t, &y));
+        let exact: Vec<f64> = total.iter().zip(&normal).map(|(a, b)| a - b).collect();
+        let (largest, all) = [&exact, &total].map(|v| v.iter().fold(0.0, |m: f64, x| m.max(x.abs()))).into();
         prop_assume!(largest > 0.0);
         for (columns, h) in [(0..n, 1e-6), (2 * n..2 * n + 1, 2e-8)] {
             for k in columns {
-                let [(whole, _), (normal, _)] = [0, 1].map(|s| quotient(&mut systems[s], t, &y, k, h));
+                let [(total, _), (normal, _)] = [0, 1].map(|s| quotient(&mut systems[s], t, &y, k, h));
                 for row in 0..n {
-                    let (exact, found) = (exact[k * n + row], whole[n + row] - normal[n + row]);
-                    let off = (exact - found).abs();
-                    prop_assert!(off < 1e-2 * largest + 1e-9 * all, "row {row} column {k} of {n}: {exact:e} {found:e}, largest {largest:e}");
+                    let (exact, actual) = (exact[k * n + row], total[n + row] - normal[n + row]);
+                    let off = (exact - actual).abs();
+                    prop_assert!(off < 1e-2 * largest + 1e-9 * all, "row {row} column {k} of {n}: {exact:e} {actual:e}, largest {largest:e}");
                 }
             }
         }
@@ -475,7 +475,7 @@ proptest! {
 
 /// Fields without derivatives report it: friction that falls with speed, points.
 #[test]
-fn slopes_are_only_told_where_they_are_known() {
+fn derivatives_are_only_given_where_they_are_known() {
     let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
         let mut scene = Scene::paper();
         change(&mut scene);
@@ -548,8 +548,8 @@ fn one_pass_gives_what_two_give() {
                 (0..free).flat_map(|row| (0..free).map(move |column| (row, column)))
             {
                 if row == column || row == 0 || column == 0 {
-                    let found = (position.entry(row, column), of_both.entry(row, column));
-                    assert_eq!(found.0, found.1, "{preset} {kernel:?} {row} {column}");
+                    let entries = (position.entry(row, column), of_both.entry(row, column));
+                    assert_eq!(entries.0, entries.1, "{preset} {kernel:?} {row} {column}");
                 }
             }
         }

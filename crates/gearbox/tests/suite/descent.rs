@@ -70,8 +70,8 @@ fn hard_steps_through_play_stay_within_a_tooth() {
     let light = 1e-4 * gearbox.load_torque(0.1);
     let mut near = None;
     for k in 0..20 {
-        let found = statics.track(&mut near, 0.1114 * f64::from(k), light);
-        found.unwrap();
+        let balance = statics.track(&mut near, 0.1114 * f64::from(k), light);
+        balance.unwrap();
     }
     let farthest = f64::from_bits(FARTHEST_SEEN.load(Ordering::Relaxed));
     let share = farthest * gearbox.geometry.lobes() / std::f64::consts::TAU;

@@ -158,10 +158,10 @@ fn published_gaps_of_errors() {
                 "radius" => -1.0,
                 _ => -normal.dot(eccentric),
             };
-            let found = gaps(&off, input, wheel)[j].1 / size;
+            let actual = gaps(&off, input, wheel)[j].1 / size;
             assert!(
-                (found - wanted).abs() < 5e-3,
-                "{key} of {j}: {found} {wanted}"
+                (actual - wanted).abs() < 5e-3,
+                "{key} of {j}: {actual} {wanted}"
             );
         }
     }
@@ -207,10 +207,10 @@ fn published_gaps_of_errors() {
             let bodies = ideal(&off, input, 0.0);
             let mut field = off.contact_field().unwrap();
             let pair = field.nearest(&bodies, wheel, Sleeve::Internal(k));
-            let found = -pair.penetration_m / size;
+            let actual = -pair.penetration_m / size;
             assert!(
-                (found - wanted).abs() < 5e-3,
-                "{key} of {k}: {found} {wanted}"
+                (actual - wanted).abs() < 5e-3,
+                "{key} of {k}: {actual} {wanted}"
             );
         }
     }
@@ -252,9 +252,9 @@ fn without_deviations_all_is_as_ever() {
     for shares in MODIFICATIONS {
         let near = modified(shares, 1e-13);
         let states = ideal(&near, 0.3, 3e-4);
-        for (found, wanted) in loads(&near, &states).iter().zip(&wanted) {
+        for (actual, wanted) in loads(&near, &states).iter().zip(&wanted) {
             // K^(2/3) F^(1/3) of some 1e7 N/m times 1e-13 m.
-            let off = (found.fx - wanted.fx).hypot(found.fy - wanted.fy);
+            let off = (actual.fx - wanted.fx).hypot(actual.fy - wanted.fy);
             assert!(off < 1e-5, "{shares:?}: {off}");
         }
     }
@@ -332,13 +332,13 @@ proptest! {
                 let offset = Complex::new(bodies[body].x - frame.x, bodies[body].y - frame.y) * Complex::unit(-frame.angle);
                 let nearest = edge.iter().map(|w| (*w - offset).norm2()).fold(f64::INFINITY, f64::min).sqrt();
                 let wanted = gearbox.geometry.external_radii_m[j] - nearest;
-                let found = field.nearest(&bodies, wheel, Sleeve::External(j)).penetration_m;
+                let depth = field.nearest(&bodies, wheel, Sleeve::External(j)).penetration_m;
                 // Points are 1 to 5 um apart: (5 um)^2/(2 * 0.5 mm) at the sharpest place. At the corners of rotated flanks
                 // also half of 5 um times their slope, 0.02.
                 let bound = if gearbox.scene.gear.modification.rotational_rad > 0.0 { 1e-7 } else { 3e-8 };
-                prop_assert!((found - wanted).abs() < bound, "disc {wheel}, pin {j}: {found:e} {wanted:e}");
+                prop_assert!((depth - wanted).abs() < bound, "disc {wheel}, pin {j}: {depth:e} {wanted:e}");
                 let touches = touching.iter().any(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
-                prop_assert!(touches == (found > 0.0), "disc {wheel}, pin {j}: {found:e}");
+                prop_assert!(touches == (depth > 0.0), "disc {wheel}, pin {j}: {depth:e}");
             }
         }
     }
@@ -368,8 +368,8 @@ fn crossval_points_of_a_modified_profile() {
     assert!(size(&wanted) > 100.0);
     let mut off = Vec::new();
     for points in [4_000, 16_000, 64_000] {
-        let found = loads(&change(Some(points)), &bodies);
-        let apart: Vec<Wrench> = found
+        let sampled = loads(&change(Some(points)), &bodies);
+        let apart: Vec<Wrench> = sampled
             .iter()
             .zip(&wanted)
             .map(|(a, b)| Wrench {
@@ -415,10 +415,10 @@ fn published_play_of_a_modified_gear() {
             };
             let [one, other] =
                 [1.0, -1.0].map(|sign| statics.solve(input, sign * 1e-3).unwrap().output);
-            let (found, wanted) = ((one - other).abs(), free(1.0) + free(-1.0));
+            let (actual, wanted) = ((one - other).abs(), free(1.0) + free(-1.0));
             assert!(
-                (found / wanted - 1.0).abs() < 0.01,
-                "{shares:?} at {input}: {found:e} {wanted:e}"
+                (actual / wanted - 1.0).abs() < 0.01,
+                "{shares:?} at {input}: {actual:e} {wanted:e}"
             );
             assert!(wanted >= 2.0 * free_play(gear) * (1.0 - 1e-9), "{wanted:e}");
         }

@@ -20,12 +20,12 @@ fn audit(driver_j: f64, load_j: f64, lost_j: f64) -> EnergyAudit {
 
 #[test]
 fn what_the_law_creates_is_taken_out() {
-    let found = Efficiency::of(&audit(99.0, -100.0, 2.0)).unwrap();
-    assert!((found.measured - 100.0 / 99.0).abs() < 1e-15);
-    assert!((found.of_losses - 100.0 / 102.0).abs() < 1e-15);
-    assert!((found.created_share - 3.0 / 99.0).abs() < 1e-15);
-    assert_eq!(found.interval(), [found.of_losses, found.measured]);
-    let why = found.defined().unwrap_err();
+    let computed = Efficiency::of(&audit(99.0, -100.0, 2.0)).unwrap();
+    assert!((computed.measured - 100.0 / 99.0).abs() < 1e-15);
+    assert!((computed.of_losses - 100.0 / 102.0).abs() < 1e-15);
+    assert!((computed.created_share - 3.0 / 99.0).abs() < 1e-15);
+    assert_eq!(computed.interval(), [computed.of_losses, computed.measured]);
+    let why = computed.defined().unwrap_err();
     assert!(
         why.contains("creates 3.03 %") && why.contains("lose 1.96 %"),
         "{why}"
@@ -34,11 +34,11 @@ fn what_the_law_creates_is_taken_out() {
 
 #[test]
 fn the_load_may_drive() {
-    let found = Efficiency::of(&audit(-90.0, 100.0, 10.0)).unwrap();
-    assert!((found.measured - 0.9).abs() < 1e-15 && (found.of_losses - 0.9).abs() < 1e-15);
-    assert_eq!(found.created_share, 0.0);
-    assert_eq!(found.defined(), Ok(found.of_losses));
-    let mut smooth = found;
+    let computed = Efficiency::of(&audit(-90.0, 100.0, 10.0)).unwrap();
+    assert!((computed.measured - 0.9).abs() < 1e-15 && (computed.of_losses - 0.9).abs() < 1e-15);
+    assert_eq!(computed.created_share, 0.0);
+    assert_eq!(computed.defined(), Ok(computed.of_losses));
+    let mut smooth = computed;
     smooth.rubs = false;
     assert!(smooth.defined().unwrap_err().contains("no friction"));
     assert!(Efficiency::of(&audit(10.0, 10.0, 20.0)).is_none());

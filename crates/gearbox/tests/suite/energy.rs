@@ -35,17 +35,17 @@ fn quadrature_has_its_order() {
     let cubic = |t: f64| 1.0 + t * (2.0 - t * (3.0 - 4.0 * t));
     let exact = |t: f64| t + t * t - t * t * t + t.powi(4);
     let times = [0.0, 0.1, 0.25, 0.3, 0.5, 0.6];
-    let found = account(&[(&times, &cubic)], |_| true);
-    assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
-    assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
+    let ledger = account(&[(&times, &cubic)], |_| true);
+    assert!((work(&ledger, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
+    assert!((work(&ledger, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
     // At the scale of a run, where all intervals are small, unequal intervals are still recognised.
     let small = times.map(|t| 1e-4 * t);
-    let found = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
-    assert!((work(&found, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
+    let ledger = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
+    assert!((work(&ledger, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
     let error = |n: usize| {
         let times: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
-        let found = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
-        (work(&found, 0.0, 1.0) - (1.0 - 7.0_f64.cos()) / 7.0).abs()
+        let ledger = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
+        (work(&ledger, 0.0, 1.0) - (1.0 - 7.0_f64.cos()) / 7.0).abs()
     };
     let order = (error(40) / error(80)).log2();
     assert!(order > 3.7, "{order}");
@@ -73,10 +73,10 @@ fn samples_do_not_change_the_works() {
 #[test]
 fn entries_between_samples_are_not_kept() {
     let times: Vec<f64> = (0..1000).map(f64::from).collect();
-    let found = account(&[(&times, &|t| t)], |k| k == 0 || k == 999);
-    assert_eq!(found.audit(1.0, 499.0), None);
-    assert_eq!(found.audit(500.0, 998.0), None);
-    assert!((work(&found, 0.0, 999.0) / (999.0 * 999.0 / 2.0) - 1.0).abs() < 1e-13);
+    let ledger = account(&[(&times, &|t| t)], |k| k == 0 || k == 999);
+    assert_eq!(ledger.audit(1.0, 499.0), None);
+    assert_eq!(ledger.audit(500.0, 998.0), None);
+    assert!((work(&ledger, 0.0, 999.0) / (999.0 * 999.0 / 2.0) - 1.0).abs() < 1e-13);
 }
 
 #[test]
@@ -95,11 +95,11 @@ fn no_interval_reaches_over_a_jump() {
     let segments: [(&[f64], &dyn Fn(f64) -> f64); 2] =
         [(&before, &|t| t * t * t), (&after, &|t| 5.0 - t)];
     // The sample at the jump is the first entry of the second segment.
-    let found = account(&segments, |k| k != 3);
-    let whole = work(&found, 0.0, 0.7);
+    let ledger = account(&segments, |k| k != 3);
+    let total = work(&ledger, 0.0, 0.7);
     let exact = 0.3_f64.powi(4) / 4.0 + 5.0 * 0.4 - 0.5 * (0.49 - 0.09);
-    assert!((whole - exact).abs() < 1e-15, "{whole} {exact}");
-    let part = work(&found, 0.2, 0.45);
+    assert!((total - exact).abs() < 1e-15, "{total} {exact}");
+    let part = work(&ledger, 0.2, 0.45);
     let exact = (0.3_f64.powi(4) - 0.2_f64.powi(4)) / 4.0 + 5.0 * 0.15 - 0.5 * (0.2025 - 0.09);
     assert!((part - exact).abs() < 1e-15, "{part} {exact}");
 }
@@ -107,16 +107,16 @@ fn no_interval_reaches_over_a_jump() {
 /// An account is that of the samples nearest to the requested times.
 #[test]
 fn accounts_are_of_the_nearest_samples() {
-    let found = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
+    let ledger = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
     for (from, to, ends) in [
         (0.4, 2.6, (0.0, 3.0)),
         (0.6, 2.4, (1.0, 2.0)),
         (-5.0, 9.0, (0.0, 3.0)),
     ] {
-        let audit = found.audit(from, to).unwrap();
+        let audit = ledger.audit(from, to).unwrap();
         assert_eq!((audit.from_s, audit.to_s), ends);
     }
-    assert_eq!(found.audit(0.6, 1.4), None);
+    assert_eq!(ledger.audit(0.6, 1.4), None);
 }
 
 #[test]
@@ -127,21 +127,21 @@ fn too_little_is_no_account() {
 /// Returns the uncertainties of the driving and of the lost work, J, of an account with equal powers.
 fn off(account: &EnergyAccount) -> [f64; 2] {
     let audit = account.total().unwrap();
-    // Of seven equal powers two drive, and five are lost.
+    // Two of the seven equal powers drive, and five are lost.
     [audit.remainder_off_j / 3.0, audit.lost_off_j / 5.0].map(|off| off / SAFETY)
 }
 
 /// Uncertainty: negligible for a smooth power, the power's own size if under-sampled, the range of few entries.
 #[test]
-fn what_is_between_entries_is_told_from_them() {
-    let seen = |power: &dyn Fn(f64) -> f64, entries: u32, h: f64| {
+fn entries_bound_the_power_between_them() {
+    let uncertainty = |power: &dyn Fn(f64) -> f64, entries: u32, h: f64| {
         let times: Vec<f64> = (0..entries).map(|k| h * f64::from(k)).collect();
         let ends = [0, times.len() - 1];
         off(&account(&[(&times, power)], |k| ends.contains(&k)))
     };
-    let cubic = seen(&|t| 1.0 + t * t * t, 50, 0.1);
-    let [smooth, coarse] = [0.1, 1.5].map(|h| seen(&f64::sin, 200, h));
-    let few = seen(&|t| t, 3, 1.0);
+    let cubic = uncertainty(&|t| 1.0 + t * t * t, 50, 0.1);
+    let [smooth, coarse] = [0.1, 1.5].map(|h| uncertainty(&f64::sin, 200, h));
+    let few = uncertainty(&|t| t, 3, 1.0);
     for k in 0..2 {
         assert!(cubic[k] < 1e-12);
         let (smooth, coarse) = (smooth[k], coarse[k]);

@@ -100,13 +100,13 @@ fn balances_are_balances() {
         let mut outputs = Vec::new();
         for share in [1.0, 0.5, 0.03, 1e-4, -0.03, -1.0] {
             let load = share * rated;
-            let found = statics.solve(0.7, load).unwrap();
+            let balance = statics.solve(0.7, load).unwrap();
             let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-            field.add_loads(&found.bodies, &mut loads);
+            field.add_loads(&balance.bodies, &mut loads);
             let output: f64 = gearbox
                 .layout
                 .internal_bodies()
-                .map(|k| found.bodies[k].x * loads[k].fy - found.bodies[k].y * loads[k].fx)
+                .map(|k| balance.bodies[k].x * loads[k].fy - balance.bodies[k].y * loads[k].fx)
                 .sum();
             let least = 1e-8 * rated.abs();
             assert!((output + load).abs() < least, "{preset} {share} {output}");
@@ -119,7 +119,7 @@ fn balances_are_balances() {
                     loads[wheel]
                 );
             }
-            outputs.push(found.output);
+            outputs.push(balance.output);
         }
         // A larger load twists farther, in its own direction.
         let further = |two: &[f64]| (two[0] - two[1]) * rated > 0.0;
@@ -160,10 +160,10 @@ fn published_pins_bend_in_series() {
     let lever = gear.internal_sleeves as f64 * gear.internal_circle_radius_m.powi(2) / 4.0;
     for pin in [1e8, 1e9, 1e10] {
         let wanted = 0.22 / (gear.wheels as f64 * pin * lever);
-        let found = twist(pin).0 - rigid;
+        let actual = twist(pin).0 - rigid;
         assert!(
-            (found / wanted - 1.0).abs() < 5e-4,
-            "{pin:e}: {found:e} {wanted:e}"
+            (actual / wanted - 1.0).abs() < 5e-4,
+            "{pin:e}: {actual:e} {wanted:e}"
         );
     }
 }
@@ -193,10 +193,10 @@ fn published_what_bearings_and_pins_leave_of_a_gear() {
             most = most.max((twist(0.03) - twist(-0.03)).abs());
         }
         if let Some(stiffness) = stiffness {
-            let found = 1.0 / soft.abs();
+            let measured = 1.0 / soft.abs();
             assert!(
-                (found / stiffness - 1.0).abs() < 0.005,
-                "{found} {stiffness}"
+                (measured / stiffness - 1.0).abs() < 0.005,
+                "{measured} {stiffness}"
             );
         }
         // The program printed two or three digits.
@@ -209,8 +209,8 @@ fn largest_over_a_turn(gearbox: &Gearbox, load: f64, turns: f64) -> f64 {
     let mut statics = Statics::new(gearbox).unwrap();
     let poses = (0..24).map(|k| turns * (0.1 + std::f64::consts::TAU * f64::from(k) / 24.0));
     let forces = poses.map(|phi| {
-        let found = statics.solve(phi, load).unwrap();
-        let pairs = statics.touching(&found).into_iter();
+        let balance = statics.solve(phi, load).unwrap();
+        let pairs = statics.touching(&balance).into_iter();
         pairs.map(|pair| pair.normal_force_n).fold(0.0, f64::max)
     });
     forces.fold(0.0, f64::max)
@@ -231,9 +231,9 @@ fn regress_a_pin_too_far_in_and_discs_that_float() {
     let largest = |law: &str, bearings: &[&str]| {
         let law = format!("contact.law=\"{law}\"");
         let gearbox = gearbox("paper", &[&ring[..], &[&errors, &law], bearings].concat());
-        let found = largest_over_a_turn(&gearbox, 412.0, 1.0);
-        println!("{law} {bearings:?}: {found}");
-        found
+        let force = largest_over_a_turn(&gearbox, 412.0, 1.0);
+        println!("{law} {bearings:?}: {force}");
+        force
     };
     let rigid = largest("line-contact", &[]);
     assert!((rigid / 3456.0 - 1.0).abs() < 1e-3, "{rigid}");
@@ -278,12 +278,12 @@ fn pins_store_what_they_bend() {
 fn hard_clearance_without_load_rests() {
     let sets = [&LOOSE[..], &["drive.output_torque_n_m=0"]].concat();
     let gearbox = gearbox("paper", &sets);
-    let found = Statics::new(&gearbox).unwrap().solve(0.3, 0.0).unwrap();
+    let balance = Statics::new(&gearbox).unwrap().solve(0.3, 0.0).unwrap();
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let phase = 0.3 + gearbox.geometry.wheel_phases[i];
         let e = gearbox.scene.gear.eccentricity_m;
         let (x, y) = (e * phase.cos(), e * phase.sin());
-        let off = (found.bodies[body].x - x).hypot(found.bodies[body].y - y);
+        let off = (balance.bodies[body].x - x).hypot(balance.bodies[body].y - y);
         assert!(off < 1e-12, "{off}");
     }
 }
@@ -315,15 +315,15 @@ fn hard_stiff_rollers_of_a_watch_balance() {
         (0..20)
             .map(|k| {
                 let phi = 0.3 * f64::from(k);
-                let found = statics.solve(phi, load).unwrap();
-                found.output - gearbox.geometry.ideal_output_angle(phi)
+                let balance = statics.solve(phi, load).unwrap();
+                balance.output - gearbox.geometry.ideal_output_angle(phi)
             })
             .sum::<f64>()
             / 20.0
     };
     // Bearings and pins are linear, contacts nearly so.
-    let [whole, part] = [2.17e-5, 6.5e-7].map(|load| turned(load, &mut statics) / load);
-    assert!((whole / part - 1.0).abs() < 0.2, "{whole} {part}");
+    let [full, part] = [2.17e-5, 6.5e-7].map(|load| turned(load, &mut statics) / load);
+    assert!((full / part - 1.0).abs() < 0.2, "{full} {part}");
 }
 
 /// Stiffness at an equilibrium is the slope of the load over the twist.
@@ -549,9 +549,9 @@ fn published_a_pin_too_far_in_on_cranks() {
         }
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
         // Cranks turn by a third of the sun's angle.
-        let found = largest_over_a_turn(&gearbox, -412.0, 3.0);
-        println!("stiff: {is_stiff}: {found}");
-        assert!((found / theirs - 1.0).abs() < most, "{found} {theirs}");
+        let force = largest_over_a_turn(&gearbox, -412.0, 3.0);
+        println!("stiff: {is_stiff}: {force}");
+        assert!((force / theirs - 1.0).abs() < most, "{force} {theirs}");
     }
 }
 
@@ -562,8 +562,8 @@ fn hard_cranks_with_errors_balance() {
     let largest = |errors: &str| {
         let gearbox = gearbox("rv-320", &[errors]);
         let mut statics = Statics::new(&gearbox).unwrap();
-        let found = statics.solve(0.3, -3200.0).unwrap();
-        let pairs = statics.on_cranks(&found);
+        let balance = statics.solve(0.3, -3200.0).unwrap();
+        let pairs = statics.on_cranks(&balance);
         pairs
             .iter()
             .map(|pair| pair.normal_force_n)
@@ -600,8 +600,8 @@ fn seals_are_lost_power() {
         let gear = gearbox("paper", &[]).scene.gear.clone();
         let wanted = (0.05 + 0.5 / gear.lobes() as f64) * 52.34 * 0.02;
         assert_eq!(none.friction_j, 0.0);
-        let found = some.friction_j / wanted;
-        assert!((found - 1.0).abs() < 0.01, "{method}: {some:?} {wanted}");
+        let work = some.friction_j / wanted;
+        assert!((work - 1.0).abs() < 0.01, "{method}: {some:?} {wanted}");
         let dearer = (some.driver_j - none.driver_j) / some.friction_j;
         assert!((dearer - 1.0).abs() < 0.05, "{method}: {dearer} {some:?}");
     }
@@ -678,8 +678,8 @@ fn regress_what_floating_wheels_cost() {
         ("rv-40e-like", 5e3),
         ("needle-bearings", 8e3),
     ] {
-        let found = evaluations(preset, &[]);
-        println!("{preset}: {found}");
-        assert!(found < most, "{preset}: {found}");
+        let count = evaluations(preset, &[]);
+        println!("{preset}: {count}");
+        assert!(count < most, "{preset}: {count}");
     }
 }

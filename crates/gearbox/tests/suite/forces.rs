@@ -30,7 +30,7 @@ fn pose(gearbox: &Gearbox) -> Vec<BodyState> {
 
 /// Listed friction plus the remaining loads gives the total, pair by pair.
 #[test]
-fn the_whole_is_friction_and_the_rest() {
+fn loads_are_friction_and_the_rest() {
     for law in ["paper", "paper-conservative"] {
         let gearbox = gearbox(&[
             ("contact.friction_coefficient", "0.1"),
@@ -39,13 +39,13 @@ fn the_whole_is_friction_and_the_rest() {
         let bodies = pose(&gearbox);
         let (mut forces, mut field) = both(&gearbox);
         let zeros = vec![Wrench::default(); bodies.len()];
-        let (mut whole, mut again, mut rest) = (zeros.clone(), zeros.clone(), zeros);
+        let (mut loads, mut again, mut rest) = (zeros.clone(), zeros.clone(), zeros);
         let mut contacts = Vec::new();
-        forces.apply(0.1, &bodies, &mut whole);
+        forces.apply(0.1, &bodies, &mut loads);
         let mut request = Evaluation::of_loads(&mut again).with_energy();
         forces.evaluate(0.1, &bodies, &mut request);
         let energy = request.energy.unwrap();
-        assert_eq!(whole, again);
+        assert_eq!(loads, again);
         let known = field.energy(&bodies);
         assert!((energy.stored_j / known.stored_j - 1.0).abs() < 1e-12);
         assert!((energy.friction_w() / known.friction_w() - 1.0).abs() < 1e-9);
@@ -70,12 +70,12 @@ fn the_whole_is_friction_and_the_rest() {
                 load.moment += (contact.point[0] - at.x) * fy - (contact.point[1] - at.y) * fx;
             }
         }
-        for (whole, rest) in whole.iter().zip(&rest) {
-            let off = (whole.fx - rest.fx).hypot(whole.fy - rest.fy);
-            assert!(off < 1e-8, "{law}: {whole:?} {rest:?}");
+        for (loads, rest) in loads.iter().zip(&rest) {
+            let off = (loads.fx - rest.fx).hypot(loads.fy - rest.fy);
+            assert!(off < 1e-8, "{law}: {loads:?} {rest:?}");
             assert!(
-                (whole.moment - rest.moment).abs() < 1e-9,
-                "{law}: {whole:?} {rest:?}"
+                (loads.moment - rest.moment).abs() < 1e-9,
+                "{law}: {loads:?} {rest:?}"
             );
         }
     }

@@ -8,19 +8,19 @@ use pinwheel_scene::{Scene, scales};
 /// Modes of the paper's gear are 1740, 1660 and 530 Hz, by the eigenvalues of its Jacobian at the load.
 #[test]
 fn the_papers_fastest_mode() {
-    let found = Frequencies::of(&Scene::paper());
-    let hertz = found.contact_rad_s / TAU;
+    let modes = Frequencies::of(&Scene::paper());
+    let hertz = modes.contact_rad_s / TAU;
     assert!((hertz / 1740.0 - 1.0).abs() < 0.3, "{hertz}");
-    assert!((found.mesh_rad_s / (52.34 * 16.0) - 1.0).abs() < 1e-12);
-    assert_eq!(found.friction_1_s, 0.0);
+    assert!((modes.mesh_rad_s / (52.34 * 16.0) - 1.0).abs() < 1e-12);
+    assert_eq!(modes.friction_1_s, 0.0);
 }
 
 /// A third of a touch at the contacts' frequency, or an eighth of the time from pin to pin, of the kind that passes more often.
 #[test]
 fn steps_see_every_sleeve() {
     let mut scene = Scene::paper();
-    let found = Frequencies::of(&scene);
-    assert_eq!(found.longest_step_s(), 1.0 / found.contact_rad_s);
+    let modes = Frequencies::of(&scene);
+    assert_eq!(modes.longest_step_s(), 1.0 / modes.contact_rad_s);
     scene.drive.input_speed_rad_s *= -100.0;
     scene.gear.internal_sleeves = 30;
     let fast = Frequencies::of(&scene);

@@ -4,7 +4,7 @@ use pinwheel_gearbox::statics::{Statics, slow_efficiency};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Override, Scene, Sleeve};
 
-/// A disc on held ring pins, which are springs. Output pins roll freely.
+/// One disc on fixed ring pins, which are springs; output pins roll freely.
 const ONE_DISC: &str = r#"
 [gear]
 pin_circle_radius_m = 0.0415
@@ -77,7 +77,7 @@ fn gearbox(sets: &[&str]) -> Gearbox {
     Gearbox::new(&Scene::from_toml(ONE_DISC, "one disc", &sets).unwrap()).unwrap()
 }
 
-/// Sums over the ring pins that are loaded at an input angle, with the largest lever.
+/// Sums over the loaded ring pins at an input angle, with the largest lever.
 struct Sums {
     s: f64,
     a: f64,
@@ -85,9 +85,9 @@ struct Sums {
     lever_m: f64,
 }
 
-/// With P the pin at the angle b from the eccentric, C the disc's centre and I the pitch point at e zk, the normal of a contact is
-/// that of P to I. Its lever about C is l = e zs sin(b) R/d with d = |I - P|, that of the friction a = (C - P).(I - P)/d - r, and the
-/// disc turns about I, which is w = d - r from the contact. S = sum l^2, A = sum l a, W = sum l w.
+/// Returns S = sum l^2, A = sum l a and W = sum l w. P is the pin at the angle b from the eccentric, C the disc's centre, I the
+/// pitch point at e zk, and d = |I - P|. The contact normal PI has the lever l = e zs sin(b) R/d about C, friction has the lever
+/// a = (C - P).(I - P)/d - r, and the distance from the contact to I, the centre of rotation, is w = d - r.
 fn sums(gearbox: &Gearbox, phi: f64, load: f64) -> Sums {
     let gear = &gearbox.scene.gear;
     let (e, r) = (gear.eccentricity_m, gear.external_sleeve_radius_m);
@@ -107,7 +107,7 @@ fn sums(gearbox: &Gearbox, phi: f64, load: f64) -> Sums {
     Sums { s, a, w, lever_m }
 }
 
-/// Output angles under a load that rises to `load` and that falls to it, rad.
+/// Returns the output angles under a load that rises to `load`, and that falls to it, rad.
 fn branches(gearbox: &Gearbox, phi: f64, load: f64) -> Result<[f64; 2], GearboxError> {
     let at = Statics::new(gearbox)?.solve(phi, load)?;
     let mut statics = Statics::rubbing(gearbox)?.unwrap();
@@ -115,12 +115,12 @@ fn branches(gearbox: &Gearbox, phi: f64, load: f64) -> Result<[f64; 2], GearboxE
     Ok([rises?.output, falls?.output])
 }
 
-/// Share by which exact geometry differs from that of the undeformed mesh.
+/// Relative difference of exact geometry from the undeformed mesh.
 const DEFORMED: f64 = 1e-3;
 
-/// The input is locked, and the disc turns about the eccentric by t as the load rises or falls: pins press with F = k l t, friction
-/// mu F acts at the lever a against the turning. So T = k t (S +- mu A), and the branches are T/k (1/(S - mu A) - 1/(S + mu A)) apart.
-/// The output turns against the disc by the same in both branches.
+/// With the input locked a load rotates the disc about the eccentric by t: pins press with F = k l t, and friction mu F opposes the
+/// rotation at the lever a. Then T = k t (S +- mu A), and the branches are T/k (1/(S - mu A) - 1/(S + mu A)) apart. The rotation of
+/// the output relative to the disc is equal in both branches.
 #[test]
 fn published_hysteresis_of_held_pins_by_hand() {
     for (mu, phi, load) in [
@@ -139,9 +139,9 @@ fn published_hysteresis_of_held_pins_by_hand() {
     }
 }
 
-/// While the input turns forward friction acts at the same levers, with the load: F = l T/(S - mu A); backward F = l T/(S + mu A).
-/// The disc turns about the pitch point at 1/zs of the input's rate, so that the driver's torque is T/zs (1 + mu W/(S - mu A)). Over a
-/// period this is an efficiency of 69.50 % at mu 0.15 and 96.84 % at 0.015, as another program has of the printed 11:1 gear.
+/// With the input turning forward friction acts with the load: F = l T/(S - mu A); backward F = l T/(S + mu A). The disc rotates
+/// about the pitch point at 1/zs of the input's rate, so the driver's torque is T/zs (1 + mu W/(S - mu A)). Over a period this gives
+/// efficiencies of 69.50 % at mu 0.15 and 96.84 % at 0.015, as an independent program does for the printed 11:1 gear.
 #[test]
 fn published_forces_and_efficiency_of_held_pins_by_hand() {
     const POSES: usize = 25;
@@ -159,13 +159,13 @@ fn published_forces_and_efficiency_of_held_pins_by_hand() {
             let Sums { s, a, w, lever_m } = sums(&gearbox, phi, load);
             let at = plain.solve(phi, load).unwrap();
             for way in [1.0, -1.0] {
-                let found = rubs.turning(way, &at, load).unwrap();
-                let on_ring = rubs.touching(&found).into_iter();
+                let balance = rubs.turning(way, &at, load).unwrap();
+                let on_ring = rubs.touching(&balance).into_iter();
                 let on_ring = on_ring.filter(|pair| matches!(pair.sleeve, Sleeve::External(_)));
                 let force = on_ring.map(|pair| pair.normal_force_n).fold(0.0, f64::max);
                 let wanted = lever_m * load / (s - way * mu * a);
                 assert!((force / wanted - 1.0).abs() < DEFORMED, "{mu} {phi} {way}");
-                let driver = rubs.driver_torque(&found, load);
+                let driver = rubs.driver_torque(&balance, load);
                 let wanted = load / zs * (1.0 + way * mu * w / (s - way * mu * a));
                 assert!((driver / wanted - 1.0).abs() < DEFORMED, "{mu} {phi} {way}");
                 if way > 0.0 {
@@ -173,13 +173,13 @@ fn published_forces_and_efficiency_of_held_pins_by_hand() {
                 }
             }
         }
-        let found = 100.0 * slow_efficiency(&gearbox, mean, load);
-        println!("mu {mu}: {found:.3} %");
-        assert!((found - percent).abs() < 0.01, "{found}");
+        let efficiency = 100.0 * slow_efficiency(&gearbox, mean, load);
+        println!("mu {mu}: {efficiency:.3} %");
+        assert!((efficiency - percent).abs() < 0.01, "{efficiency}");
     }
 }
 
-/// Where mu A reaches S no load pushes a disc back against its friction: the gear keeps its twist, and jams as its input turns.
+/// If mu A reaches S, no load pushes a disc back against its friction: the gear keeps its twist, and jams when its input turns.
 #[test]
 fn hard_friction_that_locks_leaves_no_balance() {
     let (phi, load) = (0.1, 1.0);
@@ -197,12 +197,12 @@ fn hard_friction_that_locks_leaves_no_balance() {
     assert_eq!(tried(3.0), (locks(), locks()));
 }
 
-/// The gear that `init` suggests for 39:1 and 200 N m: discs float on needles, and under light loads some parts stick, so that no part
-/// has a direction without the others. Symmetry: at the input angle 0 the loops of both directions are one.
+/// Hysteresis of the gear that `init` suggests for 39:1 and 200 N m. Discs float on needles, and under light loads some parts stick,
+/// which couples all directions of friction. By symmetry the loops of both directions are equal at the input angle 0.
 #[test]
 fn hard_parts_that_stick_leave_a_loop() {
     const POSES: usize = 24;
-    /// Place in the period where rounds need a way over little friction.
+    /// Place in the period where the iteration converges only by way of lower friction.
     const HARD: f64 = 83.0 / 96.0;
     let scene = Scene::from_toml(SUGGESTED, "suggested", &[]).unwrap();
     let gearbox = Gearbox::new(&scene).unwrap();
@@ -228,7 +228,7 @@ fn hard_parts_that_stick_leave_a_loop() {
     }
 }
 
-/// Next to no load that gear has other balances where parts stick; from the other branch each is found. Under 3 % there is one.
+/// Under almost no load the suggested gear has several equilibria with sticking parts; under 3 % of its load it has one.
 #[test]
 fn hard_parts_that_stick_have_several_balances() {
     let scene = Scene::from_toml(SUGGESTED, "suggested", &[]).unwrap();

@@ -44,7 +44,7 @@ fn bad_input_points_have_no_force_along_the_profile() {
     scene.contact.detection = Detection::Points;
     scene.contact.law = "paper-conservative".to_owned();
     let geometry = Geometry::new(&scene).unwrap();
-    let told = contacts(&scene, &geometry, Kernel::Lanes).map(|_| ());
-    let told = told.unwrap_err().to_string();
-    assert!(told.contains("detection = \"exact\""), "{told}");
+    let message = contacts(&scene, &geometry, Kernel::Lanes).map(|_| ());
+    let message = message.unwrap_err().to_string();
+    assert!(message.contains("detection = \"exact\""), "{message}");
 }

@@ -51,16 +51,16 @@ fn hard_free_play_is_allowed_and_a_quarter_pitch_more() {
                 bodies[body].angle += sign * 0.99 * most;
                 assert_eq!(guard::check(&gearbox, &bodies), Ok(()), "{name} {sets:?}");
                 bodies[body].angle += sign * 0.02 * most;
-                let told = guard::check(&gearbox, &bodies).unwrap_err();
+                let line = guard::check(&gearbox, &bodies).unwrap_err();
                 assert!(
-                    told.contains(name) && told.contains("off its ideal"),
-                    "{told}"
+                    line.contains(name) && line.contains("off its ideal"),
+                    "{line}"
                 );
             }
             let mut bodies = ideal(&gearbox);
             bodies[body].angle = f64::NAN;
-            let told = guard::check(&gearbox, &bodies).unwrap_err();
-            assert!(told.contains(name) && told.contains("not finite"), "{told}");
+            let line = guard::check(&gearbox, &bodies).unwrap_err();
+            assert!(line.contains(name) && line.contains("not finite"), "{line}");
         }
     }
 }

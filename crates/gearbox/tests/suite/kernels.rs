@@ -178,12 +178,12 @@ fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) 
             let pair = pairs
                 .iter()
                 .find(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
-            let found = pair.map_or(0.0, |pair| pair.penetration_m);
+            let actual = pair.map_or(0.0, |pair| pair.penetration_m);
             // Angles are accurate to some 4e-16 rad.
             let rounding = 4e-15 * curve.pitch_radius();
             assert!(
-                (found - depth).abs() <= rounding,
-                "disc {wheel}, pin {j}: {found} {depth}"
+                (actual - depth).abs() <= rounding,
+                "disc {wheel}, pin {j}: {actual} {depth}"
             );
         }
     }
@@ -475,14 +475,14 @@ fn fields_know_no_history() {
                 let twist = (play + 2e-4) * (0.02 * f64::from(k)).cos();
                 let bodies = states(&gearbox, turn, twist, &[1.0, 0.8, 0.9]);
                 let mut new = gearbox.contact_field().unwrap();
-                let found = [&mut field, &mut new].map(|field| {
+                let outputs = [&mut field, &mut new].map(|field| {
                     let mut loads = vec![Wrench::default(); bodies.len()];
                     let mut moments = vec![0.0; bodies.len()];
                     let energy = from_angles(field, &bodies, &mut moments, &mut loads).unwrap();
                     (moments, loads, energy)
                 });
-                assert_eq!(found[0], found[1], "{preset} {kernel:?} {k}");
-                let touching = found[0].1.iter().map(|load| load.fx != 0.0);
+                assert_eq!(outputs[0], outputs[1], "{preset} {kernel:?} {k}");
+                let touching = outputs[0].1.iter().map(|load| load.fx != 0.0);
                 let touching: Vec<bool> = touching.collect();
                 differ += usize::from(touching != before);
                 before = touching;
@@ -544,15 +544,15 @@ fn hard_levers_find_what_touches() {
             let twists = [0; 3].map(|_| random(-reach, reach));
             let mut bodies = states(&gearbox, random(0.0, 40.0), 1.0, &twists);
             bodies[Layout::OUTPUT].angle = 0.0;
-            let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
-            fields[0].add_loads(&bodies, &mut found[0]);
+            let mut loads = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
+            fields[0].add_loads(&bodies, &mut loads[0]);
             let mut request = Evaluation {
                 pose: Pose::Prescribed,
-                ..Evaluation::of_loads(&mut found[1])
+                ..Evaluation::of_loads(&mut loads[1])
             };
             fields[1].evaluate(&bodies, &mut request);
             for body in gearbox.layout.external_bodies() {
-                let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
+                let [a, b] = [0, 1].map(|k| loads[k][body].fx.hypot(loads[k][body].fy));
                 touching += u64::from(a > 0.0);
                 // Rounding of the radius, as a penetration, at the largest slope of the force.
                 let depth = 1e-14 * radius;

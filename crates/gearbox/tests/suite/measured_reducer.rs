@@ -33,7 +33,7 @@ fn numbers(table: &toml::Table, key: &str) -> Vec<f64> {
     list.map(|value| value.as_float().unwrap()).collect()
 }
 
-/// Least-squares fit of `a + b T^p` with the root mean square of its residuals: `[a, b, rms]`.
+/// Returns the least-squares fit of `a + b T^p` with the root mean square of its residuals: `[a, b, rms]`.
 fn fit(points: &[[f64; 2]], p: f64) -> [f64; 3] {
     let n = points.len() as f64;
     let mean = |of: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(of).sum::<f64>() / n;
@@ -44,7 +44,7 @@ fn fit(points: &[[f64; 2]], p: f64) -> [f64; 3] {
     [a, b, rms]
 }
 
-/// Half of the twist between a torque and its opposite, arcmin, at 100, 200 .. 1800 N m, and the mean of both over the half.
+/// Half of the twist between a torque and its opposite, arcmin, at 100, 200 .. 1800 N m, and the mean of both over that half.
 struct Twist {
     half: Vec<[f64; 2]>,
     common: f64,
@@ -122,7 +122,7 @@ fn published_measured_reducer_by_one_compliance_and_one_clearance() {
     assert!((0.88..0.92).contains(&stiff.exponent()));
 }
 
-/// Half of the twist between turning forward and backward against these loads, arcmin, with friction.
+/// Returns half of the twist between turning forward and backward against these loads, arcmin, with friction.
 fn turning(sets: &[&str], torques: impl IntoIterator<Item = f64>) -> Vec<[f64; 2]> {
     let gearbox = gearbox(sets);
     let mut plain = Statics::new(&gearbox).unwrap();
@@ -137,7 +137,7 @@ fn turning(sets: &[&str], torques: impl IntoIterator<Item = f64>) -> Vec<[f64; 2
     half.collect()
 }
 
-/// Friction of loaded parts hardly moves the output of a gear that turns: by 0.003 arcmin where the measured gear has 0.26 without
+/// Friction of loaded parts displaces the output of a turning gear by 0.003 arcmin only. The measured gear has 0.26 arcmin without
 /// load, and 0.10 more within some 160 N m.
 #[test]
 fn published_measured_start_is_not_friction_of_loaded_parts() {
@@ -165,9 +165,9 @@ fn published_measured_start_is_not_friction_of_loaded_parts() {
     }
 }
 
-/// One drag at the output in place of the clearance. Of 116 N m it gives the twist without load, and all others are too small by
-/// 0.04 to 0.11 arcmin. Of 156 N m it gives them to within the repeatability, and too much without load. With neither is the start soft: the
-/// drag has already loaded the needles.
+/// A constant drag at the output cannot replace the clearance. 116 N m give the twist without load, and 0.04 to 0.11 arcmin too little
+/// under load. 156 N m give the twist under load to the repeatability, and too much without load. Neither has the measured soft
+/// start, because the drag has already loaded the needles.
 #[test]
 fn published_measured_start_by_one_drag() {
     let measured = measured();
@@ -197,7 +197,7 @@ fn published_measured_start_by_one_drag() {
     assert!(rms < 0.025 && line[0] > 0.08, "{rms}, {}", line[0]);
 }
 
-/// Amplitudes of the transmission error over a turn of the output, arcmin, at orders of that turn.
+/// Returns amplitudes of the transmission error over a turn of the output, arcmin, at orders of that turn.
 fn orders<const N: usize>(sets: &[&str], load: f64, orders: [u32; N]) -> [f64; N] {
     const POSES: u32 = 200;
     let gearbox = gearbox(sets);

@@ -36,9 +36,9 @@ fn with_load(run: &NativeRun) -> Vec<&[f64]> {
 }
 
 /// Returns RMS(difference)/RMS(reference) over all channels and samples.
-fn relative_l2(found: &[&[f64]], reference: &[&[f64]]) -> f64 {
+fn relative_l2(actual: &[&[f64]], reference: &[&[f64]]) -> f64 {
     let pairs = || {
-        found
+        actual
             .iter()
             .zip(reference)
             .flat_map(|(a, b)| a.iter().zip(*b))
@@ -197,7 +197,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
 
 /// A disc that jumped a tooth, and an output off its holes, are reported by name; free play is not.
 #[test]
-fn bodies_off_their_mesh_are_told() {
+fn bodies_off_their_mesh_are_reported() {
     let gearbox = Gearbox::new(&scene(0.1).clone().check().unwrap()).unwrap();
     let pitch = std::f64::consts::TAU / 15.0;
     let moved = |body: usize, by: f64| {
@@ -347,8 +347,8 @@ fn explanations_say_what_is_so() {
     ];
     for (sets, modelled, left_out, nowhere) in cases {
         let overrides: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
-        let told = explain(&Gearbox::new(&Scene::load("paper", &overrides).unwrap()).unwrap());
-        let [models, leaves] = [&told.modelled, &told.left_out].map(|list| {
+        let report = explain(&Gearbox::new(&Scene::load("paper", &overrides).unwrap()).unwrap());
+        let [models, leaves] = [&report.modelled, &report.left_out].map(|list| {
             let lines = list.iter().map(|s| format!("{}: {}", s.what, s.why));
             lines.collect::<Vec<_>>().join("\n")
         });
@@ -358,8 +358,8 @@ fn explanations_say_what_is_so() {
             }
         }
         for word in nowhere {
-            let said = models.contains(word) || leaves.contains(word);
-            assert!(!said, "{sets:?}: {word} in\n{models}\n{leaves}");
+            let named = models.contains(word) || leaves.contains(word);
+            assert!(!named, "{sets:?}: {word} in\n{models}\n{leaves}");
         }
     }
 }
@@ -384,7 +384,7 @@ fn rounding_at_rest_is_no_fault() {
 /// A run evaluated at samples alone equals the full run there, also over a jump of the load. It has no energy account, except
 /// with fixed steps.
 #[test]
-fn samples_alone_are_those_of_the_whole_run() {
+fn samples_alone_are_those_of_the_full_run() {
     for (preset, method, adaptive) in [
         ("paper", "etd-adams", true),
         ("paper", "dopri5", true),
@@ -400,17 +400,17 @@ fn samples_alone_are_those_of_the_whole_run() {
         scene.solver.step_s = 2e-6;
         scene.solver.duration_s = 0.01;
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-        let whole = run(&gearbox, &mut |_| false).unwrap().finished().unwrap();
-        let seen = run_at_samples(&gearbox, &mut |_| false);
-        let seen = seen.unwrap().finished().unwrap();
-        let off = relative_l2(&with_load(&seen), &with_load(&whole));
+        let full = run(&gearbox, &mut |_| false).unwrap().finished().unwrap();
+        let bare = run_at_samples(&gearbox, &mut |_| false);
+        let bare = bare.unwrap().finished().unwrap();
+        let off = relative_l2(&with_load(&bare), &with_load(&full));
         println!("{preset} by {method}: {off:.1e}");
         assert!(
             off < if adaptive { 1e-4 } else { 1e-15 },
             "{preset}: {off:e}"
         );
-        assert_eq!(seen.energy.total().is_none(), adaptive, "{preset} {method}");
-        assert!(whole.energy.total().is_some());
+        assert_eq!(bare.energy.total().is_none(), adaptive, "{preset} {method}");
+        assert!(full.energy.total().is_some());
     }
 }
 

@@ -19,9 +19,9 @@ fn stiffness_by_differences_is_that_of_the_slopes() {
             .solve(0.3, share * gearbox.load_torque(0.1))
             .unwrap();
         let load = share * gearbox.load_torque(0.1);
-        let (found, wanted) = statics.jacobians(&at, load);
+        let (closed, wanted) = statics.jacobians(&at, load);
         let [wanted, _] = wanted.unwrap();
-        let worst = (found - &wanted).amax() / wanted[(0, 0)].abs();
+        let worst = (closed - &wanted).amax() / wanted[(0, 0)].abs();
         println!("{preset}, {share} of the load: {worst:.1e}");
         assert!(worst < 1e-4, "{preset}: {worst:e}");
     }
@@ -34,7 +34,7 @@ fn damping_is_the_slope_of_what_the_wheels_leave() {
         let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
         let at = statics.solve(0.3, 22.0).unwrap();
-        let found = statics.compliance(&at).unwrap();
+        let computed = statics.compliance(&at).unwrap();
         let (_, derivatives) = statics.jacobians(&at, 22.0);
         let [k, d] = derivatives.unwrap();
         let left = |s: f64| {
@@ -45,10 +45,10 @@ fn damping_is_the_slope_of_what_the_wheels_leave() {
         };
         let s = 1e-4 * k[(0, 0)] / d[(0, 0)];
         let wanted = [-left(0.0), (left(-s) - left(s)) / (2.0 * s)];
-        for (found, wanted) in found.iter().zip(wanted) {
+        for (computed, wanted) in computed.iter().zip(wanted) {
             assert!(
-                (found / wanted - 1.0).abs() < 1e-6,
-                "{preset}: {found} {wanted}"
+                (computed / wanted - 1.0).abs() < 1e-6,
+                "{preset}: {computed} {wanted}"
             );
         }
     }

@@ -60,8 +60,8 @@ fn published_pressure_of_line_contacts() {
             };
             let line = contact.line_length_m;
             let expected = (pair.normal_force_n * modulus * sum / (PI * line)).sqrt();
-            let found = pressure.of(geometry, pair, [wheel.x, wheel.y], wheel.angle);
-            assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
+            let value = pressure.of(geometry, pair, [wheel.x, wheel.y], wheel.angle);
+            assert!((value / expected - 1.0).abs() < 1e-4, "{value} {expected}");
         });
     assert!(external > 2 && internal > 2, "{external} {internal}");
 }
@@ -73,7 +73,7 @@ fn turned_flanks_have_their_own_curvature() {
     let gearbox = Gearbox::new(&Scene::load("one-wheel", &sets).unwrap()).unwrap();
     let geometry = &gearbox.geometry;
     let turn = geometry.flanks.unwrap();
-    let mut seen = 0;
+    let mut hits = 0;
     for load in [22.0, -22.0] {
         let at = Statics::new(&gearbox).unwrap().solve(0.3, load).unwrap();
         let wheel = at.bodies[gearbox.layout.wheel_bodies().start];
@@ -98,15 +98,15 @@ fn turned_flanks_have_their_own_curvature() {
             };
             // In a pit both are equal.
             if far.0 > 10.0 * near.0 {
-                seen += 1;
-                let found = curvature(geometry, pair, [wheel.x, wheel.y], wheel.angle);
+                hits += 1;
+                let value = curvature(geometry, pair, [wheel.x, wheel.y], wheel.angle);
                 // Two searches for one foot: 1.2e-13 apart.
                 let of = near.1.abs() + geometry.curve.pitch_radius().recip();
-                assert!((found - near.1).abs() < 1e-12 * of, "{found} {}", near.1);
+                assert!((value - near.1).abs() < 1e-12 * of, "{value} {}", near.1);
             }
         });
     }
-    assert!(seen > 4, "{seen}");
+    assert!(hits > 4, "{hits}");
 }
 
 /// The closed form of the curvature at a contact agrees with the search for the foot, on floating discs, too.
@@ -117,23 +117,23 @@ fn the_curvature_at_a_contact_is_that_of_its_foot() {
         let load = gearbox.scene.drive.output_torque_n_m;
         let at = Statics::new(&gearbox).unwrap().solve(0.3, load).unwrap();
         let geometry = &gearbox.geometry;
-        let mut seen = 0;
+        let mut contacts = 0;
         let mut field = gearbox.contact_field().unwrap();
         field.touching(&at.bodies, &mut |pair| {
             let disc = at.bodies[gearbox.layout.wheel_bodies().start + pair.wheel];
             let centre = [disc.x, disc.y];
             if let Sleeve::External(_) = pair.sleeve {
-                seen += 1;
+                contacts += 1;
                 let searched = curvature(geometry, pair, centre, disc.angle);
-                let found = curvature_at_foot(geometry, pair, centre);
+                let value = curvature_at_foot(geometry, pair, centre);
                 let of = searched.abs() + geometry.curve.pitch_radius().recip();
                 // 1.1e-11 in the pits of `rv-40e-like`, whose radius is 0.26 mm.
                 assert!(
-                    (found - searched).abs() < 1e-10 * of,
-                    "{preset}: {found} {searched}"
+                    (value - searched).abs() < 1e-10 * of,
+                    "{preset}: {value} {searched}"
                 );
             }
         });
-        assert!(seen > 4, "{preset}: {seen}");
+        assert!(contacts > 4, "{preset}: {contacts}");
     }
 }

@@ -43,10 +43,10 @@ pub(crate) fn numbers(table: &toml::Table, key: &str) -> Vec<f64> {
         .collect()
 }
 
-pub(crate) fn close(found: f64, wanted: f64, relative: f64, what: &str) {
+pub(crate) fn close(actual: f64, wanted: f64, relative: f64, what: &str) {
     assert!(
-        (found / wanted - 1.0).abs() <= relative,
-        "{what}: {found} instead of {wanted}"
+        (actual / wanted - 1.0).abs() <= relative,
+        "{what}: {actual} instead of {wanted}"
     );
 }
 
@@ -78,7 +78,7 @@ fn cycloidgen_agrees() {
         );
         let (mesh, output) = (LinearMesh::of(gear), LinearOutput::of(gear));
         let poses = 48_u32;
-        let mut seen: [Vec<f64>; 5] = Default::default();
+        let mut course: [Vec<f64>; 5] = Default::default();
         // A lever of 1e-17 m on the line of centres carries no load.
         let loaded = |forces: &[f64]| forces.iter().filter(|&&f| f > 1e-9).count() as f64;
         let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
@@ -91,14 +91,14 @@ fn cycloidgen_agrees() {
             close(across, torque / lever, 1e-13, "tangential bearing force");
             let external = mesh.forces(first, torque);
             let internal = output.forces(part / gear.internal_sleeves as f64, torque);
-            let found = [
+            let figures = [
                 largest(&external),
                 loaded(&external),
                 along.hypot(across),
                 largest(&internal),
                 loaded(&internal),
             ];
-            for (all, value) in seen.iter_mut().zip(found) {
+            for (all, value) in course.iter_mut().zip(figures) {
                 all.push(value);
             }
         }
@@ -109,10 +109,10 @@ fn cycloidgen_agrees() {
             "output_n",
             "loaded_output_sleeves",
         ];
-        for (key, values) in keys.into_iter().zip(&seen) {
-            let (found, wanted) = (range(values), numbers(recorded, key));
-            close(found.0, wanted[0], tolerance, &format!("{name} {key}"));
-            close(found.1, wanted[1], tolerance, &format!("{name} {key}"));
+        for (key, values) in keys.into_iter().zip(&course) {
+            let (actual, wanted) = (range(values), numbers(recorded, key));
+            close(actual.0, wanted[0], tolerance, &format!("{name} {key}"));
+            close(actual.1, wanted[1], tolerance, &format!("{name} {key}"));
         }
         let forces = mesh.forces(0.0, torque);
         let forces: Vec<f64> = forces.into_iter().filter(|&f| f > 1e-9).collect();
@@ -152,9 +152,9 @@ fn closed_forms_have_their_values() {
         along += force * x / x.hypot(y);
         across -= force * y / x.hypot(y);
     }
-    let found = mesh.bearing(0.1, 11.0);
-    close(found[0], along, 1e-12, "along the eccentric");
-    close(found[1], across, 1e-12, "across it");
+    let force = mesh.bearing(0.1, 11.0);
+    close(force[0], along, 1e-12, "along the eccentric");
+    close(force[1], across, 1e-12, "across it");
     close(
         across,
         11.0 / (gear.eccentricity_m * 15.0),
@@ -189,11 +189,11 @@ fn quasi_static_peaks() {
         let mut statics = Statics::new(&gearbox).unwrap();
         let (mut peak, mut loaded) = ((f64::INFINITY, 0.0_f64), (99, 0));
         for k in 0..60_u32 {
-            let found = statics
+            let balance = statics
                 .solve(f64::from(k) / 60.0 * TAU / 15.0, 22.0)
                 .unwrap();
-            assert!(found.residual < 1e-9, "{}", found.residual);
-            let pairs = statics.touching(&found);
+            assert!(balance.residual < 1e-9, "{}", balance.residual);
+            let pairs = statics.touching(&balance);
             for wheel in 0..2 {
                 let forces: Vec<f64> = pairs
                     .iter()
@@ -252,9 +252,9 @@ fn mean_driver_torque(law: &str) -> f64 {
     let mut sum = 0.0;
     for k in 0..poses {
         let phi = TAU * 15.0 / 16.0 * f64::from(k) / f64::from(poses);
-        let found = statics.solve(phi, 22.0).unwrap();
+        let balance = statics.solve(phi, 22.0).unwrap();
         let (mut output, mut driver, mut across) = (0.0, 0.0, 0.0);
-        for pair in &statics.touching(&found) {
+        for pair in &statics.touching(&balance) {
             let ([fx, fy], [x, y]) = (pair.force_on_sleeve(), pair.centre);
             // The eccentric receives the disc's reaction, which the driver balances.
             let (s, c) = (phi + gearbox.geometry.wheel_phases[pair.wheel]).sin_cos();
@@ -297,9 +297,9 @@ fn cycloidgen_measures_the_same_play() {
                 let [there, back] = [load, -load].map(|load| statics.solve(phi, load).unwrap());
                 play = play.max(there.output - back.output);
             }
-            let found = play * 10_800.0 / std::f64::consts::PI;
-            println!("{name}: {found} arcmin, cycloidgen {wanted}");
-            close(found, wanted, tolerance, name);
+            let actual = play * 10_800.0 / std::f64::consts::PI;
+            println!("{name}: {actual} arcmin, cycloidgen {wanted}");
+            close(actual, wanted, tolerance, name);
         }
     }
 }
@@ -326,13 +326,13 @@ fn cycloidgen_twists_alike() {
             contact.law = "line-contact".into();
             (contact.line_length_m, contact.stiffness_multiplier) = (0.01, 1.0);
             let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-            let found = compliance(&gearbox, torque);
-            for ((found, wanted), tolerance) in found.into_iter().zip(wanted).zip(&tolerances) {
+            let computed = compliance(&gearbox, torque);
+            for ((actual, wanted), tolerance) in computed.into_iter().zip(wanted).zip(&tolerances) {
                 println!(
-                    "{name} {modification:?}: {found:.6} {wanted:.6} {:+.2e}",
-                    found / wanted - 1.0
+                    "{name} {modification:?}: {actual:.6} {wanted:.6} {:+.2e}",
+                    actual / wanted - 1.0
                 );
-                close(found, *wanted, *tolerance, name);
+                close(actual, *wanted, *tolerance, name);
             }
         }
     }
@@ -350,8 +350,8 @@ fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
     let mut twists = |share: f64| -> Vec<f64> {
         let pose = |k: u32| {
             let phi = period * f64::from(k) / f64::from(poses);
-            let found = statics.solve(phi, share * torque).unwrap();
-            let twist = found.output - gearbox.geometry.ideal_output_angle(phi);
+            let balance = statics.solve(phi, share * torque).unwrap();
+            let twist = balance.output - gearbox.geometry.ideal_output_angle(phi);
             twist * 10_800.0 / std::f64::consts::PI
         };
         (0..poses).map(pose).collect()
@@ -391,9 +391,9 @@ fn published_calculator_shares_the_load_alike() {
     let mut largest = [[0.0_f64; 2]; 2];
     for k in 0..400_u32 {
         let phi = TAU * 17.0 / 18.0 * f64::from(k) / 400.0;
-        let found = statics.solve(phi, 1.0).unwrap();
-        let wheel = found.bodies[gearbox.layout.wheel_bodies().start];
-        for pair in statics.touching(&found) {
+        let balance = statics.solve(phi, 1.0).unwrap();
+        let wheel = balance.bodies[gearbox.layout.wheel_bodies().start];
+        for pair in statics.touching(&balance) {
             let stage = usize::from(matches!(pair.sleeve, Sleeve::Internal(_)));
             let p = pressure.of(&gearbox.geometry, &pair, [wheel.x, wheel.y], wheel.angle);
             let [force, most] = &mut largest[stage];
@@ -402,7 +402,7 @@ fn published_calculator_shares_the_load_alike() {
         }
     }
     println!("{largest:?}");
-    for (found, wanted) in largest.iter().flatten().zip([10.04, 118.56, 20.26, 89.21]) {
-        close(*found, wanted, 0.02, "calculator");
+    for (actual, wanted) in largest.iter().flatten().zip([10.04, 118.56, 20.26, 89.21]) {
+        close(*actual, wanted, 0.02, "calculator");
     }
 }

@@ -35,13 +35,13 @@ fn printed_drives_turn_alike() {
             );
             compared += 1;
         }
-        for (key, tolerance, found) in [
+        for (key, tolerance, computed) in [
             ("contact_stiffness_n_m_per_arcmin", "stiffness", stiffness),
             ("transmission_error_arcmin", "transmission_error", error),
         ] {
             if let Some(wanted) = given(printed, key) {
                 close(
-                    found,
+                    computed,
                     wanted,
                     number(tolerances, tolerance),
                     &format!("{name} {key}"),

@@ -21,7 +21,7 @@ fn contacts_and_loads_are_recorded_alike() {
     let mut recorder = Recorder::new(&gearbox);
     assert!(recorder.is_empty());
     recorder.record(0.0, 1.0, &bodies, &mut field);
-    let seen = Observation {
+    let observation = Observation {
         time: 1.0,
         bodies: &bodies,
         loads: &loads,
@@ -31,7 +31,7 @@ fn contacts_and_loads_are_recorded_alike() {
         energy: None,
         reactions: None,
     };
-    recorder.record_observed(&seen, [2.0, 0.0]);
+    recorder.record_observed(&observation, [2.0, 0.0]);
     assert_eq!((recorder.len(), recorder.is_empty()), (2, false));
     let mut row = Vec::new();
     let time_series = recorder.clone().finish().unwrap();

@@ -28,8 +28,8 @@ fn refinement(order: f64) -> Refinement {
     }
 }
 
-fn near(found: f64, wanted: f64) -> bool {
-    (found / wanted - 1.0).abs() < 1e-12
+fn near(actual: f64, wanted: f64) -> bool {
+    (actual / wanted - 1.0).abs() < 1e-12
 }
 
 /// Error and distance must be within the target; the distance may be four times that after a calm one.
@@ -54,9 +54,9 @@ fn errors_are_estimated_from_distances() {
     assert!(near(first.forces, share * 1e-3) && near(first.driver_torque, share * 2e-3));
     // Distances that hardly fall, or rise, show no order: three times their sum.
     let before = Some((of(3e-3, 1.0), 10.0));
-    let seen = refinement(1.0).error(of(2e-3, 4.0), 10.0, before);
-    assert!(near(seen.forces, 3.0 * 5e-3), "{seen:?}");
-    assert!(near(seen.driver_torque, 3.0 * 5.0), "{seen:?}");
+    let error = refinement(1.0).error(of(2e-3, 4.0), 10.0, before);
+    assert!(near(error.forces, 3.0 * 5e-3), "{error:?}");
+    assert!(near(error.driver_torque, 3.0 * 5.0), "{error:?}");
     // Runs that are equal by accident do not hide the previous distance: 1 over 100^(2/3) - 10^(2/3), times three.
     let equal = refinement(1.0).error(of(0.0, 0.0), 10.0, before);
     let loose = 3.0 / (100_f64.powf(2.0 / 3.0) - 10_f64.powf(2.0 / 3.0));
@@ -128,18 +128,18 @@ fn a_method_that_fails_gives_way() {
         scene.drive.output_torque_n_m = 1e6;
         scene.drive.load_ramp_s = 0.0;
     });
-    let (end, found) = refine(&overload, 1e-3, u64::MAX, "rk4");
-    assert!(!end && found.best.is_none() && found.diverged.is_some());
-    let stopped = found.stopped.unwrap();
+    let (end, refined) = refine(&overload, 1e-3, u64::MAX, "rk4");
+    assert!(!end && refined.best.is_none() && refined.diverged.is_some());
+    let stopped = refined.stopped.unwrap();
     assert!(stopped.contains("rk4 fails on it"), "{stopped}");
-    let settings: Vec<&str> = found.levels.iter().map(|r| r.setting.as_str()).collect();
+    let settings: Vec<&str> = refined.levels.iter().map(|r| r.setting.as_str()).collect();
     assert_eq!(settings.len(), 3, "{settings:?}");
     assert!(settings[0] != settings[1] && settings[1] != settings[2]);
     // A budget exhausted within the first run ends the search.
     let long = gearbox(|scene| scene.solver.duration_s = 0.05);
-    let (end, found) = refine(&long, 1e-3, 10, "rk4");
-    assert!(end && found.left == 0);
-    let stopped = found.stopped.unwrap();
+    let (end, refined) = refine(&long, 1e-3, 10, "rk4");
+    assert!(end && refined.left == 0);
+    let stopped = refined.stopped.unwrap();
     assert!(stopped.contains("took all evaluations"), "{stopped}");
 }
 
@@ -150,12 +150,12 @@ fn what_does_not_fit_the_budget_is_not_begun() {
     let all = refine(&light, 1e-3, u64::MAX, "etd-adams").1;
     let one = all.levels[0].evaluations;
     assert!(all.levels[1].evaluations > one, "{:?}", all.levels);
-    let (end, found) = refine(&light, 1e-3, 2 * one, "etd-adams");
-    let stopped = found.stopped.unwrap();
+    let (end, refined) = refine(&light, 1e-3, 2 * one, "etd-adams");
+    let stopped = refined.stopped.unwrap();
     assert!(end && stopped.contains("would take more"), "{stopped}");
-    assert_eq!((found.levels.len(), found.left), (1, one));
+    assert_eq!((refined.levels.len(), refined.left), (1, one));
     let samples = light.scene.solver.sample_times_s().len();
-    let best = found.best.unwrap();
+    let best = refined.best.unwrap();
     assert_eq!(best.run.time_series.len(), samples / 2 + 1);
     let best = all.best.unwrap();
     assert!(best.holds && best.level == all.levels.len() - 1);
@@ -166,10 +166,10 @@ fn what_does_not_fit_the_budget_is_not_begun() {
 #[test]
 fn the_finest_tolerance_ends_a_refinement() {
     let light = gearbox(|scene| (scene.solver.duration_s, scene.solver.sample_s) = (1e-4, 1e-5));
-    let (end, found) = refine(&light, 1e-17, u64::MAX, "dopri5");
-    let stopped = found.stopped.unwrap();
+    let (end, refined) = refine(&light, 1e-17, u64::MAX, "dopri5");
+    let stopped = refined.stopped.unwrap();
     assert!(end && stopped.contains("amplifies roundings"), "{stopped}");
-    assert!(!found.best.unwrap().holds);
+    assert!(!refined.best.unwrap().holds);
 }
 
 /// The run with the smallest error is kept, not the last one.

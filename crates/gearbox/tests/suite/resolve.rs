@@ -199,13 +199,13 @@ fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
 
 /// An insufficient budget is reported with the accuracy reached.
 #[test]
-fn bad_input_a_budget_too_small_is_told() {
+fn bad_input_a_budget_too_small_is_reported() {
     let scene = scene("paper", &["solver.duration_s=0.02"]);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     // Sufficient for the first run of 1e-7 and not for the second.
     let budget = named(&scene, "etd-adams", 5e-10).counts.evaluations * 6 / 5;
-    let found = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
-    let Ok((run, uncertainty)) = found else {
+    let outcome = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
+    let Ok((run, uncertainty)) = outcome else {
         panic!("one run fits the budget");
     };
     // The coarsest run had only half of the samples.
@@ -246,9 +246,9 @@ fn remedies_are_tried_before_they_are_offered() {
         &mut |_| false,
     );
     assert!(matches!(failed.unwrap().ending, Ending::Diverged { .. }));
-    let found =
+    let advice =
         remedy(&steel.clone().check().unwrap(), Duration::from_secs(60)).expect("auto resolves it");
-    assert!(found.contains("solver.integrator = \"auto\""));
+    assert!(advice.contains("solver.integrator = \"auto\""));
     assert!(
         remedy(&steel.clone().check().unwrap(), Duration::ZERO).is_none(),
         "no time to try"
@@ -260,8 +260,8 @@ fn remedies_are_tried_before_they_are_offered() {
 #[test]
 fn stopping_is_heard() {
     let gearbox = Gearbox::new(&scene("paper", &[]).clone().check().unwrap()).unwrap();
-    let found = run_resolved(&gearbox, TARGET, BUDGET, &mut |t| t > 1e-3);
-    assert!(matches!(found, Err(NativeError::Stopped)));
+    let outcome = run_resolved(&gearbox, TARGET, BUDGET, &mut |t| t > 1e-3);
+    assert!(matches!(outcome, Err(NativeError::Stopped)));
     assert_eq!(
         auto::chain(&gearbox.scene, TARGET)[0].integrator,
         "etd-adams"

@@ -1,4 +1,4 @@
-//! The ring as output, the carrier held: against the gear on its carrier in a turned frame, and statics against runs.
+//! Ring as output and fixed carrier: against the carrier as output in a rotated frame, and statics against runs.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::PairContact;
@@ -34,7 +34,7 @@ fn run(gearbox: &Gearbox) -> NativeRun {
     run.finished().unwrap()
 }
 
-/// Moments of the forces on ring and on output pins, or of cranks, about the gear's axis, N m.
+/// Returns the moments of the forces on ring pins, and on output pins or cranks, about the gear's axis, N m.
 fn moments(pairs: &[PairContact]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for pair in pairs {
@@ -44,8 +44,8 @@ fn moments(pairs: &[PairContact]) -> [f64; 2] {
     sums
 }
 
-/// Forces on the ring's pins balance the load, and the gear by its carrier, under the moment of its output pins and at the input's angle
-/// against the ring, has the same balance.
+/// Forces on the ring pins balance the load. With the carrier as output, the moment of its output pins as load and the input angle
+/// relative to the ring, the gear has an equal equilibrium.
 #[test]
 fn crossval_statics_of_a_ring_is_that_of_the_carrier() {
     for (preset, sets) in GEARS.into_iter().take(3) {
@@ -71,7 +71,7 @@ fn crossval_statics_of_a_ring_is_that_of_the_carrier() {
     }
 }
 
-/// The case of an RV gear turns: balances on cranks, by virtual work of the load and of the input.
+/// Equilibria of an RV gear with a rotating case, by the virtual work of load and input.
 #[test]
 fn crossval_statics_of_a_case_that_turns() {
     let (ring, own) = (gearbox("rv-40e-like", &[RING]), gearbox("rv-40e-like", &[]));
@@ -83,7 +83,7 @@ fn crossval_statics_of_a_case_that_turns() {
     let at = statics.solve(0.4, ring.along_carrier_n_m(torque)).unwrap();
     let [on_ring, _] = moments(&statics.touching(&at));
     assert!((on_ring / -torque - 1.0).abs() < 1e-8, "{on_ring} {torque}");
-    // The tooth forces of the first stage are no pairs; the carrier's moment is that of the ideal mesh to the transmission error.
+    // Tooth forces of the first stage are not listed, so the carrier's moment is that of the ideal mesh, to the transmission error.
     let held = other.solve(0.4 + at.output, -less * torque).unwrap();
     let twist = |gearbox: &Gearbox, at: &Equilibrium, phi: f64| {
         at.output - gearbox.geometry.ideal_output_angle(phi)
@@ -93,7 +93,7 @@ fn crossval_statics_of_a_case_that_turns() {
     assert!((a / b / less - 1.0).abs() < 1e-3, "{a:e} {b:e}");
 }
 
-/// A run that starts in equilibrium stays in its slow motion: the torque that turns the ring is its load.
+/// A run that starts in equilibrium stays in slow motion, and the torque on the ring equals its load.
 #[test]
 fn crossval_a_ring_starts_in_balance() {
     for (preset, sets) in GEARS {
@@ -180,8 +180,8 @@ fn crossval_a_ring_as_output_is_a_turned_frame() {
     );
 }
 
-/// The case of an RV gear turns, with an output so heavy that its frame turns evenly, and hardly any centrifugal force: forces are
-/// those of the gear by its carrier, with speed and load times R/(R - 1). Measured 3.4e-8 of the ring pins' force.
+/// Forces of an RV gear with a rotating case equal those with the carrier as output, with speed and load times R/(R - 1). The output
+/// is so heavy that it rotates uniformly, and centrifugal forces are negligible. Measured 3.4e-8 of the ring pins' force.
 #[test]
 fn crossval_a_case_that_turns_is_a_turned_frame() {
     let always = [
@@ -211,7 +211,7 @@ fn crossval_a_case_that_turns_is_a_turned_frame() {
     }
 }
 
-/// A unit of the gear moves as its run.
+/// A unit of the gear moves like its run.
 #[test]
 fn crossval_a_unit_whose_ring_turns() {
     let gear = gearbox(
@@ -223,11 +223,11 @@ fn crossval_a_unit_whose_ring_turns() {
     unit.advance(0.005, &|| false).unwrap();
     let mut row = Vec::new();
     unit.observe(&mut row);
-    for (channel, found) in series.channels().iter().zip(&row) {
+    for (channel, actual) in series.channels().iter().zip(&row) {
         let wanted = channel.values.last().unwrap();
         assert!(
-            (wanted - found).abs() <= 1e-6 * wanted.abs().max(1.0),
-            "{} {wanted} {found}",
+            (wanted - actual).abs() <= 1e-6 * wanted.abs().max(1.0),
+            "{} {wanted} {actual}",
             channel.name
         );
     }

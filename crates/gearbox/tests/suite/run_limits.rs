@@ -12,15 +12,15 @@ fn only_a_pace_without_end_is_refused() {
     assert_eq!(pace.look(0.01, SPAN), Ok(()));
     // A short interval of tiny steps at a switch is over before a check.
     assert_eq!(pace.look(0.02, 2 * SPAN), Ok(()));
-    let told = pace.look(0.02 + 1e-6, 3 * SPAN).unwrap_err();
+    let message = pace.look(0.02 + 1e-6, 3 * SPAN).unwrap_err();
     assert!(
-        told.contains("5.0e-11 s") && told.contains("make solver.duration_s 0.021 or less"),
-        "{told}"
+        message.contains("5.0e-11 s") && message.contains("make solver.duration_s 0.021 or less"),
+        "{message}"
     );
     // The remedy for friction is an implicit method, unless the method is implicit.
     for (integrator, remedy) in [("dopri5", "\"imex2\""), ("imex2-adaptive", "duration_s")] {
         scene.solver.integrator = integrator.to_owned();
-        let told = Pace::new(&scene, true).look(1e-9, SPAN).unwrap_err();
-        assert!(told.contains(remedy), "{told}");
+        let message = Pace::new(&scene, true).look(1e-9, SPAN).unwrap_err();
+        assert!(message.contains(remedy), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! Structure that gives way and warm parts, in statics and in runs.
+//! Elastic structure and warm parts, in statics and in runs.
 
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, native};
@@ -31,7 +31,7 @@ fn balanced(gearbox: &Gearbox, phi: f64) -> Equilibrium {
         .unwrap()
 }
 
-/// Sum of the forces of output pins on each disc.
+/// Returns the sum of the forces of output pins on each disc.
 fn carried(gearbox: &Gearbox, at: &Equilibrium) -> Vec<f64> {
     let mut sums = vec![0.0; gearbox.layout.wheels];
     for pair in Statics::new(gearbox).unwrap().touching(at) {
@@ -42,19 +42,19 @@ fn carried(gearbox: &Gearbox, at: &Equilibrium) -> Vec<f64> {
     sums
 }
 
-/// Turn of the output from its place in the ideal mesh.
+/// Returns the rotation of the output from its ideal mesh.
 fn twist(gearbox: &Gearbox, phi: f64) -> f64 {
     balanced(gearbox, phi).output - gearbox.geometry.ideal_output_angle(phi)
 }
 
-fn close(found: f64, wanted: f64, tolerance: f64) {
+fn close(actual: f64, wanted: f64, tolerance: f64) {
     assert!(
-        (found / wanted - 1.0).abs() < tolerance,
-        "{found} for {wanted}"
+        (actual / wanted - 1.0).abs() < tolerance,
+        "{actual} for {wanted}"
     );
 }
 
-/// A pin under one disc is a spring in series, which has a key of its own and another loop over the pairs.
+/// A bending pin of one disc equals a spring in series, which has its own key and its own loop over the pairs.
 #[test]
 fn published_one_disc_bends_a_spring() {
     let one = [&STEEL[..], &["gear.wheels=1"]].concat();
@@ -69,7 +69,7 @@ fn published_one_disc_bends_a_spring() {
     assert!(twist(&gearbox(&one), 0.3).abs() < 0.8 * twist(&shared, 0.3).abs());
 }
 
-/// Forces and moments of discs that share pins are the slope of the stored energy, which no solver of theirs knows.
+/// Forces and moments of discs with shared pins are the derivatives of the stored energy, which their solver does not use.
 #[test]
 fn published_forces_of_shared_pins_are_the_slope_of_the_energy() {
     for held in ["one-end", "both-ends"] {
@@ -82,7 +82,7 @@ fn published_forces_of_shared_pins_are_the_slope_of_the_energy() {
         field.add_loads(&bodies, &mut loads);
         for disc in gearbox.layout.wheel_bodies() {
             let Wrench { fx, fy, moment } = loads[disc];
-            // So small that no contact opens on the way.
+            // Displacement so small that no contact opens.
             let wanted = [(fx, 2e-11), (fy, 2e-11), (moment, 2e-10)];
             for (axis, (force, step)) in wanted.into_iter().enumerate() {
                 let mut energy = |by: f64| {
@@ -104,7 +104,7 @@ fn published_forces_of_shared_pins_are_the_slope_of_the_energy() {
     }
 }
 
-/// The nearer a disc is to the flange, the more it carries: its pins are shorter. Two discs: 741 and 124 N.
+/// A disc nearer to the flange carries more, because its pins are shorter. Two discs: 741 and 124 N.
 #[test]
 fn regress_the_near_disc_takes_more() {
     for wheels in [2, 3] {
@@ -121,7 +121,7 @@ fn regress_the_near_disc_takes_more() {
     }
 }
 
-/// Equal linear springs: seat and contact are one spring of 1/k = 1/k1 + 1/k2. A run takes the same law.
+/// Seat and contact as linear springs equal one spring of 1/k = 1/k1 + 1/k2, in a run, too.
 #[test]
 fn published_seat_in_series() {
     let linear = [
@@ -143,25 +143,25 @@ fn published_seat_in_series() {
         .concat(),
     );
     let seat = seated.scene.ring_seat_n_m().unwrap();
-    let whole = format!(
+    let stiffness = format!(
         "contact.external_spring_n_m={}",
         1.0 / (1.0 / 2e8 + 1.0 / seat)
     );
-    let whole = gearbox(&[&linear[..], &[&whole]].concat());
+    let in_series = gearbox(&[&linear[..], &[&stiffness]].concat());
     for phi in [0.0, 0.3] {
-        close(twist(&seated, phi), twist(&whole, phi), 1e-10);
+        close(twist(&seated, phi), twist(&in_series, phi), 1e-10);
     }
-    let [one, other] = [&seated, &whole].map(|gear| {
+    let [one, other] = [&seated, &in_series].map(|gear| {
         let run = native::run(gear, &mut |_| false).unwrap();
         run.finished().unwrap().time_series
     });
-    // Both dampers see the contact's share of the rate, and one of the two gears has all of it.
+    // The damper acts on the contact's share of the rate in one gear, and on all of it in the other.
     let off = seated.distance(&one, &other);
     println!("{off:?}");
     assert!(off.forces < 1e-2, "{off:?}");
 }
 
-/// A warm ring is a larger ring, and a slot a thinner disc.
+/// A warm ring equals a larger ring, and a slot clearance a thinner disc.
 #[test]
 fn published_a_warm_ring_has_backlash() {
     let material = "contact.material=\"steel\"";
@@ -184,7 +184,7 @@ fn published_a_warm_ring_has_backlash() {
     close(twist(&warm, 0.3), twist(&large, 0.3), 1e-9);
     close(twist(&slot, 0.3), twist(&cut, 0.3), 1e-9);
     assert!(twist(&warm, 0.3).abs() > 5.0 * twist(&cold, 0.3).abs());
-    // A disc warmer than its ring is clamped: all pins press, and harder.
+    // A disc warmer than its ring is clamped: all pins press, with larger forces.
     let hot = gearbox(&[&STEEL[..], &[material, "temperature.disc_k=10"]].concat());
     let touching = |gear: &Gearbox| {
         let pairs = Statics::new(gear).unwrap().touching(&balanced(gear, 0.3));
@@ -199,7 +199,7 @@ fn published_a_warm_ring_has_backlash() {
     assert!(hot == 32 && cold < 20 && most > 2.0 * least);
 }
 
-/// A slow run stands where statics does, at every sample.
+/// A slow run agrees with statics at every sample.
 #[test]
 fn crossval_a_run_stands_where_statics_does() {
     let sets = [
@@ -227,11 +227,11 @@ fn crossval_a_run_stands_where_statics_does() {
     let (angles, times) = (run.channel("output_angle_rad").unwrap(), run.time_s());
     for (angle, time) in angles.iter().zip(times) {
         let phi = 5.0 * time;
-        let found = statics.solve(phi, gearbox.load_torque(0.0)).unwrap().output;
-        let twist = found - gearbox.geometry.ideal_output_angle(phi);
+        let balanced = statics.solve(phi, gearbox.load_torque(0.0)).unwrap().output;
+        let twist = balanced - gearbox.geometry.ideal_output_angle(phi);
         assert!(
-            (angle - found).abs() < 2e-3 * twist.abs(),
-            "{time}: {angle} {found} {twist}"
+            (angle - balanced).abs() < 2e-3 * twist.abs(),
+            "{time}: {angle} {balanced} {twist}"
         );
     }
 }

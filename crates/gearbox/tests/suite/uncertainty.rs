@@ -5,7 +5,7 @@ use pinwheel_gearbox::internals::remedy;
 use pinwheel_gearbox::resolve::{Level, Uncertainty, Verdict};
 
 #[test]
-fn what_is_known_is_told() {
+fn notes_report_costs_and_failures() {
     let level = |evaluations, failure: Option<&str>| Level {
         integrator: "dopri5".to_owned(),
         setting: "a tolerance of 1e-6".to_owned(),
@@ -13,7 +13,7 @@ fn what_is_known_is_told() {
         moved: None,
         failure: failure.map(str::to_owned),
     };
-    let mut found = Uncertainty {
+    let mut uncertainty = Uncertainty {
         target: 1e-3,
         error: None,
         verdict: Verdict::Resolved,
@@ -21,16 +21,16 @@ fn what_is_known_is_told() {
         levels: vec![level(100, None), level(200, None)],
         ladder: None,
     };
-    assert!(found.is_resolved());
-    assert_eq!((found.cost(), found.notes().len()), (1.5, 1));
-    found.levels.push(level(100, Some("t = 1 s: a disc")));
-    found.verdict = Verdict::NotResolved {
+    assert!(uncertainty.is_resolved());
+    assert_eq!((uncertainty.cost(), uncertainty.notes().len()), (1.5, 1));
+    uncertainty.levels.push(level(100, Some("t = 1 s: a disc")));
+    uncertainty.verdict = Verdict::NotResolved {
         reason: String::new(),
         remedy: String::new(),
     };
-    assert!(!found.is_resolved());
-    assert_eq!(found.cost(), 2.0);
-    let notes = found.notes();
+    assert!(!uncertainty.is_resolved());
+    assert_eq!(uncertainty.cost(), 2.0);
+    let notes = uncertainty.notes();
     assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a disc"));
 }
 

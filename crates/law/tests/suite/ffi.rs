@@ -208,12 +208,12 @@ fn scenes_come_as_folder_file_text_or_json() {
         ("{\"gear\": ", "not valid JSON"),
         ("", "there is no preset and no file"),
     ] {
-        let (status, said) = open(spec).expect_err(spec);
+        let (status, message) = open(spec).expect_err(spec);
         assert!(
-            status == SCENE && said.contains(words),
-            "{spec}: {status} {said}"
+            status == SCENE && message.contains(words),
+            "{spec}: {status} {message}"
         );
-        assert!(!said.contains('\n'), "{said}");
+        assert!(!message.contains('\n'), "{message}");
     }
 }
 

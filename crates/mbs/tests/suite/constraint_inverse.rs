@@ -15,9 +15,9 @@ fn block(first: f64, second: f64, angle: f64) -> Matrix2<f64> {
 #[test]
 fn constraints_are_inverted_without_what_does_not_stretch() {
     let inverted = |part: Matrix2<f64>, size: usize| {
-        let mut whole = Matrix3::identity() * 7.0;
-        whole.fixed_view_mut::<2, 2>(0, 0).copy_from(&part);
-        let (inverse, regular) = constraint_inverse(&whole, size, 1e-3);
+        let mut matrix = Matrix3::identity() * 7.0;
+        matrix.fixed_view_mut::<2, 2>(0, 0).copy_from(&part);
+        let (inverse, regular) = constraint_inverse(&matrix, size, 1e-3);
         assert_eq!(inverse[(2, 2)], 1.0);
         let part: Matrix2<f64> = inverse.fixed_view::<2, 2>(0, 0).into();
         (part, regular)
@@ -35,9 +35,9 @@ fn constraints_are_inverted_without_what_does_not_stretch() {
             (-1e-4, -2e-4),
             (0.0, 0.0),
         ] {
-            let (found, regular) = inverted(block(first, second, angle), 2);
+            let (actual, regular) = inverted(block(first, second, angle), 2);
             let exact = block(of(first), of(second), angle);
-            let off = (found - exact).norm();
+            let off = (actual - exact).norm();
             assert!(
                 off < 1e-9 * exact.norm() + 1e-12,
                 "{first} {second} {angle}: {off:e}"
@@ -50,8 +50,8 @@ fn constraints_are_inverted_without_what_does_not_stretch() {
         }
     }
     for (stretch, inverse) in [(-4.0, -0.25), (-1e-4, 0.0)] {
-        let (found, regular) = inverted(Matrix2::new(stretch, 0.0, 0.0, 9.0), 1);
-        assert_eq!((found[(0, 0)], found[(1, 1)]), (inverse, 1.0));
+        let (actual, regular) = inverted(Matrix2::new(stretch, 0.0, 0.0, 9.0), 1);
+        assert_eq!((actual[(0, 0)], actual[(1, 1)]), (inverse, 1.0));
         assert_eq!(regular, inverse != 0.0);
     }
 }

@@ -36,7 +36,7 @@ fn upper_rows_give_the_lower_ones() {
         is_leaf: vec![false; freedoms],
     };
     let number = |k: usize| (1.7 * k as f64).sin();
-    let [whole, halves] = [Structure::FirstOrder, second].map(|structure| {
+    let [full, halves] = [Structure::FirstOrder, second].map(|structure| {
         let mut linear = Linear::new(&structure, &vec![1.0; n]);
         let below = freedoms - linear.first;
         for i in 0..freedoms {
@@ -59,7 +59,7 @@ fn upper_rows_give_the_lower_ones() {
                 j.saturating_sub(n) % freedoms,
             );
             let other = if j < n { j } else { n + k * n + freedoms + c };
-            let (a, b) = (halves.1.matrix.entry(i, j), whole.1.matrix.entry(i, other));
+            let (a, b) = (halves.1.matrix.entry(i, j), full.1.matrix.entry(i, other));
             assert!((a - b).abs() < 1e-11, "{i}, {j}: {a} {b}");
         }
     }

@@ -216,7 +216,7 @@ fn regress_short_runs_cost_what_they_cost() {
         let mut free = EtdAdams::new(1e-4, tolerance, 0.0, &START);
         // Shorter than an oscillation, of which only the ends would be evaluated.
         Stepper::shorten(&mut free, 1e-3);
-        let (mut inside, mut found) = (Vec::new(), Vec::new());
+        let (mut inside, mut dense) = (Vec::new(), Vec::new());
         let mut system = Masses::new(one_sided);
         while stepper_time(&free) < 0.15 * END {
             let before = stepper_time(&free);
@@ -225,11 +225,11 @@ fn regress_short_runs_cost_what_they_cost() {
             let mut y = [0.0; 4];
             free.interpolate(&mut system, t, &mut y);
             inside.push(t);
-            found.push(y);
+            dense.push(y);
         }
         let error = distance(&states, &explicit(1e-12, one_sided, &times).0);
-        let between = distance(&found, &explicit(1e-12, one_sided, &inside).0);
-        let seen = [
+        let between = distance(&dense, &explicit(1e-12, one_sided, &inside).0);
+        let ratios = [
             error / tolerance,
             between / tolerance,
             counts.steps as f64,
@@ -237,13 +237,13 @@ fn regress_short_runs_cost_what_they_cost() {
             counts.evaluations as f64,
             counts.jacobians as f64,
         ];
-        println!("{name} {one_sided} {tolerance:e}: {seen:.1?}");
-        for (k, (seen, measured)) in seen.into_iter().zip(measured).enumerate() {
+        println!("{name} {one_sided} {tolerance:e}: {ratios:.1?}");
+        for (k, (ratio, measured)) in ratios.into_iter().zip(measured).enumerate() {
             let slack = if k < 2 { 0.5 } else { 0.03 };
-            let off = (seen - measured).abs();
+            let off = (ratio - measured).abs();
             assert!(
                 off <= slack * measured + 1.0,
-                "{name} {k}: {seen} {measured}"
+                "{name} {k}: {ratio} {measured}"
             );
         }
     }

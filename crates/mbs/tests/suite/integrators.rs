@@ -129,21 +129,20 @@ fn adaptive_methods_follow_their_tolerance() {
 fn a_restart_continues_exactly() {
     for method in METHODS.iter().filter(|m| !m.adaptive) {
         let mut system = Smooth;
-        let mut whole = stepper(method.name, 1.0 / 64.0, 1e-8);
+        let mut full = stepper(method.name, 1.0 / 64.0, 1e-8);
         for _ in 0..10 {
-            whole.step(&mut system).unwrap();
+            full.step(&mut system).unwrap();
         }
         let settings = StepSettings {
             step: 1.0 / 64.0,
             tolerance: 1e-8,
         };
-        let mut rest =
-            start(method.name, settings, whole.time(), whole.state()).expect("registered");
+        let mut rest = start(method.name, settings, full.time(), full.state()).expect("registered");
         for _ in 0..10 {
-            whole.step(&mut system).unwrap();
+            full.step(&mut system).unwrap();
             rest.step(&mut system).unwrap();
         }
-        assert_eq!(whole.state(), rest.state(), "{}", method.name);
+        assert_eq!(full.state(), rest.state(), "{}", method.name);
     }
 }
 
@@ -340,23 +339,23 @@ fn steps_can_be_shortened() {
     }
 }
 
-fn goes_on(what: &str, mut whole: Box<dyn Stepper>, mut rest: Box<dyn Stepper>) {
+fn goes_on(what: &str, mut full: Box<dyn Stepper>, mut rest: Box<dyn Stepper>) {
     for _ in 0..12 {
-        whole.step(&mut Smooth).unwrap();
+        full.step(&mut Smooth).unwrap();
     }
-    let (bytes, before) = (whole.save(), rest.save());
+    let (bytes, before) = (full.save(), rest.save());
     for wrong in [&[][..], &bytes[..bytes.len() / 2]] {
         assert!(!rest.restore(wrong), "{what}: {} bytes", wrong.len());
         assert!(rest.save() == before, "{what}: not what it was");
     }
     assert!(rest.restore(&bytes), "{what}: refused");
     for _ in 0..12 {
-        whole.step(&mut Smooth).unwrap();
+        full.step(&mut Smooth).unwrap();
         rest.step(&mut Smooth).unwrap();
-        assert_eq!(whole.time(), rest.time(), "{what}");
-        assert_eq!(whole.state(), rest.state(), "{what}");
+        assert_eq!(full.time(), rest.time(), "{what}");
+        assert_eq!(full.state(), rest.state(), "{what}");
     }
-    assert_eq!(whole.counts(), rest.counts(), "{what}");
+    assert_eq!(full.counts(), rest.counts(), "{what}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ const N: usize = 7;
 proptest! {
     /// Any partition into hubs and leaves, of first and second order, against the full matrix.
     #[test]
-    fn solves_what_the_whole_matrix_solves(
+    fn solves_like_the_full_matrix(
         is_leaf in prop::collection::vec(any::<bool>(), N), second: bool,
         entries in prop::collection::vec(-1.0..1.0_f64, 2 * N * N),
         rhs in prop::collection::vec(-1.0..1.0_f64, 2 * N), shift in 3.0..1e3_f64,
@@ -20,7 +20,7 @@ proptest! {
             (Structure::FirstOrder, N)
         };
         let mut jacobian = Jacobian::new(&structure, dimension);
-        let mut whole = DMatrix::identity(dimension, dimension) * shift;
+        let mut matrix = DMatrix::identity(dimension, dimension) * shift;
         let first = dimension - N;
         let Jacobian { position, rate, .. } = &mut jacobian;
         for (k, &value) in entries.iter().enumerate() {
@@ -29,19 +29,19 @@ proptest! {
             if k < N * N {
                 rate.add(row, column, value);
                 if !joins_leaves {
-                    whole[(first + row, first + column)] -= value;
+                    matrix[(first + row, first + column)] -= value;
                 }
             } else if let Some(position) = position {
                 position.add(row, column, value);
                 if !joins_leaves {
-                    whole[(first + row, column)] -= value;
+                    matrix[(first + row, column)] -= value;
                 }
             }
         }
         for k in 0..first {
-            whole[(k, first + k)] -= 1.0;
+            matrix[(k, first + k)] -= 1.0;
         }
-        let expected = whole.lu().solve(&DVector::from_row_slice(&rhs[..dimension]));
+        let expected = matrix.lu().solve(&DVector::from_row_slice(&rhs[..dimension]));
         prop_assume!(jacobian.factor(shift) && expected.is_some());
         let mut x = rhs[..dimension].to_vec();
         jacobian.solve(&mut x);

@@ -97,7 +97,7 @@ fn trees(order: usize) -> Vec<Tree> {
         if vertices == 0 {
             return vec![Vec::new()];
         }
-        let mut found = Vec::new();
+        let mut all = Vec::new();
         for size in 1..=largest.min(vertices) {
             let same = trees(size);
             for rest in forests(vertices - size, size) {
@@ -110,11 +110,11 @@ fn trees(order: usize) -> Vec<Tree> {
                 for tree in &same[from..] {
                     let mut forest = vec![tree.clone()];
                     forest.extend(rest.iter().cloned());
-                    found.push(forest);
+                    all.push(forest);
                 }
             }
         }
-        found
+        all
     }
     fn shape(tree: &Tree) -> Vec<String> {
         tree.0.iter().map(|b| format!("{:?}", shape(b))).collect()

@@ -153,18 +153,18 @@ fn compare(m: &Mechanism, loads: &[Wrench], tolerance: f64) -> Result<(), TestCa
     system.derivative(0.0, &y, &mut dydt);
     let largest = |v: &[f64]| v.iter().fold(1e-3f64, |a, x| a.max(x.abs()));
     let scale = largest(&accelerations);
-    for (found, exact) in dydt[y.len() / 2..].iter().zip(&accelerations) {
-        prop_assert!((found - exact).abs() < tolerance * scale, "{found} {exact}");
+    for (value, exact) in dydt[y.len() / 2..].iter().zip(&accelerations) {
+        prop_assert!((value - exact).abs() < tolerance * scale, "{value} {exact}");
     }
     let scale = largest(&multipliers);
-    let seen = system.observe(0.0, &y, Detail::Everything);
-    let reactions = seen
+    let output = system.observe(0.0, &y, Detail::Everything);
+    let reactions = output
         .reactions
         .expect("the Lagrange form knows them")
         .iter()
         .flatten();
-    for (found, exact) in reactions.chain(seen.driver_torques).zip(&multipliers) {
-        prop_assert!((found - exact).abs() < tolerance * scale, "{found} {exact}");
+    for (value, exact) in reactions.chain(output.driver_torques).zip(&multipliers) {
+        prop_assert!((value - exact).abs() < tolerance * scale, "{value} {exact}");
     }
     Ok(())
 }

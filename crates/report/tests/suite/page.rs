@@ -86,7 +86,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     scene.name = HOSTILE.to_owned();
     scene.solver.duration_s = 0.002;
     let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-    let found = Outcome {
+    let outcome = Outcome {
         stages: Vec::new(),
         model: explain(&gearbox),
         comparison: comparison.clone(),
@@ -100,7 +100,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     };
     let mut made = Provenance::here(format!("pinwheel compare {HOSTILE}"));
     made.machine.processor = HOSTILE.to_owned();
-    pinwheel_report::pages::comparison::page(&found, &made)
+    pinwheel_report::pages::comparison::page(&outcome, &made)
 }
 
 /// Returns a comparison in which every participant has an uncertainty of 2e-5.

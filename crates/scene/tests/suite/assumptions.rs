@@ -38,7 +38,7 @@ fn a_base_is_one_entry() {
 #[test]
 fn bad_input_that_is_hard_to_believe() {
     let gear = crate::catalogue::catalogue(39, 104.0).draft().unwrap();
-    let said = |sets: &[(&str, &str)]| {
+    let doubts_of = |sets: &[(&str, &str)]| {
         let sets: Vec<String> = sets
             .iter()
             .map(|(key, value)| format!("{key}={value}"))
@@ -49,7 +49,7 @@ fn bad_input_that_is_hard_to_believe() {
         each.map(|one| format!("{}: {}", one.key, one.reason))
             .collect::<Vec<_>>()
     };
-    assert_eq!(said(&[]), [""; 0]);
+    assert_eq!(doubts_of(&[]), [""; 0]);
     for (key, value, meant) in [
         ("gear.face_width_m", "7.8", "typed in mm? that is 0.0078 m"),
         (
@@ -78,9 +78,9 @@ fn bad_input_that_is_hard_to_believe() {
             "chooses its steps by solver.tolerance",
         ),
     ] {
-        let said = said(&[(key, value)]);
-        assert_eq!(said.len(), 1, "{said:?}");
-        assert!(said[0].contains(meant), "{said:?}");
+        let one = doubts_of(&[(key, value)]);
+        assert_eq!(one.len(), 1, "{one:?}");
+        assert!(one[0].contains(meant), "{one:?}");
     }
     // At the largest permitted values.
     let near = [
@@ -88,9 +88,9 @@ fn bad_input_that_is_hard_to_believe() {
         ("drive.input_speed_rad_s", "3000"),
         ("mass.density_kg_m3", "19300"),
     ];
-    assert_eq!(said(&near), [""; 0]);
+    assert_eq!(doubts_of(&near), [""; 0]);
     assert_eq!(
-        said(&[("solver.integrator", "\"rk4\""), ("solver.step_s", "1e-6")]),
+        doubts_of(&[("solver.integrator", "\"rk4\""), ("solver.step_s", "1e-6")]),
         [""; 0]
     );
 }

@@ -14,13 +14,13 @@ fn with(bearing: &str) -> Scene {
 fn published_palmgrens_rollers() {
     let law = BearingLaw::of(&with("rollers = 16\nroller_length_m = 0.009")).unwrap();
     let approach_mm = 7.68e-5 * (4.08_f64 * 4000.0 / 16.0).powf(0.9) / 9f64.powf(0.8);
-    let found = law.offset_under(4000.0);
+    let offset = law.offset_under(4000.0);
     assert!(
-        (found / (1e-3 * approach_mm) - 1.0).abs() < 1e-12,
-        "{found}"
+        (offset / (1e-3 * approach_mm) - 1.0).abs() < 1e-12,
+        "{offset}"
     );
-    assert!((law.elastic(found) / 4000.0 - 1.0).abs() < 1e-12);
-    let secant = 4000.0 / found;
+    assert!((law.elastic(offset) / 4000.0 - 1.0).abs() < 1e-12);
+    let secant = 4000.0 / offset;
     assert!((secant / 5.9e8 - 1.0).abs() < 0.01, "{secant}");
     let slope = law.slope_under(4000.0);
     assert!((slope / secant - 10.0 / 9.0).abs() < 1e-12, "{slope}");
@@ -108,7 +108,7 @@ fn bad_input_rollers_that_do_not_fit() {
         scene.gear.eccentric_bore_radius_m = Some(0.0165);
         scene.check()
     };
-    let said = with(0.0047).unwrap_err().to_string();
-    assert!(said.contains("give at most 0.004663 m"), "{said}");
+    let message = with(0.0047).unwrap_err().to_string();
+    assert!(message.contains("give at most 0.004663 m"), "{message}");
     with(0.004_663).unwrap();
 }

@@ -100,33 +100,33 @@ fn bad_input_of_a_catalogue() {
         eccentricity_m: Some(0.002),
         ..catalogue(39, 104.0)
     };
-    let said = crossing.draft().unwrap_err().to_string();
-    assert!(said.contains("less than 1.3 mm"), "{said}");
+    let message = crossing.draft().unwrap_err().to_string();
+    assert!(message.contains("less than 1.3 mm"), "{message}");
     let full = Catalogue {
         output_pin_diameter_m: Some(0.08),
         ..catalogue(39, 104.0)
     };
-    let said = full.draft().unwrap_err().to_string();
-    assert!(said.contains("finds no place"), "{said}");
+    let message = full.draft().unwrap_err().to_string();
+    assert!(message.contains("finds no place"), "{message}");
     // A fault of the scene has its key's name and unit, not those of a diameter.
     let overlapping = Catalogue {
         pin_diameter_m: Some(0.012),
         ..catalogue(39, 100.0)
     };
-    let said = overlapping.draft().unwrap_err().to_string();
+    let message = overlapping.draft().unwrap_err().to_string();
     assert!(
-        said.contains("gives a scene whose gear.external_sleeve_radius_m is 0.006 m"),
-        "{said}"
+        message.contains("gives a scene whose gear.external_sleeve_radius_m is 0.006 m"),
+        "{message}"
     );
-    let said = catalogue(118.5, 128.0).draft().unwrap_err().to_string();
-    assert!(said.contains("give 118 or 119"), "{said}");
+    let message = catalogue(118.5, 128.0).draft().unwrap_err().to_string();
+    assert!(message.contains("give 118 or 119"), "{message}");
     let with_pins = Catalogue {
         cranks: Some(2),
         output_pins: Some(6),
         ..catalogue(81, 128.0)
     };
-    let said = with_pins.draft().unwrap_err().to_string();
-    assert!(said.contains("one eccentric"), "{said}");
+    let message = with_pins.draft().unwrap_err().to_string();
+    assert!(message.contains("one eccentric"), "{message}");
 }
 
 #[test]
@@ -184,9 +184,9 @@ fn an_rv_gear_from_its_ratio() {
         cranks: Some(2),
         ..catalogue(998, 128.0)
     };
-    let said = prime.draft().unwrap_err();
-    let tried: f64 = said.remedy.rsplit(' ').next().unwrap().parse().unwrap();
-    assert!(first_stage(tried).is_some(), "{said}");
+    let error = prime.draft().unwrap_err();
+    let tried: f64 = error.remedy.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!(first_stage(tried).is_some(), "{error}");
 }
 
 /// Standard tolerances of IT6, IT7, IT8 and IT12, um, as printed (rounded) in tables of ISO 286-1.

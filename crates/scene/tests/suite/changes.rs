@@ -210,14 +210,14 @@ fn bad_input_gears_beyond_the_model() {
 
 /// A shorter run of a scene is no fault; the scene names the changes after its end.
 #[test]
-fn changes_after_the_end_are_told() {
+fn changes_after_the_end_are_reported() {
     let scene =
         with("[{ time_s = 0.1, output_torque_n_m = 1 }, { time_s = 0.7, output_torque_n_m = 2 }]")
             .unwrap();
-    let told = load_profile::unreached(&scene).unwrap();
+    let message = load_profile::unreached(&scene).unwrap();
     assert!(
-        told.starts_with("1 of 2 changes") && told.contains("0.7 s"),
-        "{told}"
+        message.starts_with("1 of 2 changes") && message.contains("0.7 s"),
+        "{message}"
     );
     assert_eq!(load_profile::final_load(&scene), 1.0);
     assert_eq!(load_profile::last_change_s(&scene), Some(0.1));

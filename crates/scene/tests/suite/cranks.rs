@@ -2,7 +2,7 @@
 
 use pinwheel_scene::{Override, Scene};
 
-fn told(key: &str, value: &str) -> String {
+fn refusal(key: &str, value: &str) -> String {
     let set = Override::new(key, value);
     Scene::load("rv-40e-like", &[set]).unwrap_err().to_string()
 }
@@ -22,21 +22,21 @@ fn bad_input_of_cranks_names_the_key() {
             "output pins",
         ),
     ] {
-        let said = told(key, value);
-        assert!(said.contains(wanted), "{key}: {said}");
+        let line = refusal(key, value);
+        assert!(line.contains(wanted), "{key}: {line}");
     }
-    // Rigid, or with half of its keys.
+    // Cranks with half of their keys, then with rigid bearings.
     let text = "[gear]\neccentricity_m = 0.0013\nexternal_sleeves = 40\npin_circle_radius_m = 0.064\nwheels = 2\n\
         external_sleeve_radius_m = 0.003\n[drive]\ninput_speed_rad_s = 190.0\noutput_torque_n_m = -412.0\n[cranks]\ncount = 2\n";
     let rest =
         "circle_radius_m = 0.036\nbore_radius_m = 0.011\nsun_teeth = 12\nplanet_teeth = 36\n";
-    let said = |text: &str| {
+    let fails = |text: &str| {
         Scene::from_toml(text, "mine.toml", &[])
             .unwrap_err()
             .to_string()
     };
-    assert!(said(text).contains("cranks.sun_teeth"), "{}", said(text));
-    let rigid = said(&format!("{text}{rest}"));
+    assert!(fails(text).contains("cranks.sun_teeth"), "{}", fails(text));
+    let rigid = fails(&format!("{text}{rest}"));
     assert!(
         rigid.contains("bearings.eccentric.stiffness_n_m"),
         "{rigid}"
@@ -55,9 +55,9 @@ fn both_shafts_carry_the_cranks_turning() {
     // Speed of the cranks for an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
     let turning: f64 = (4.0 / 3.0) / 121.0 - 1.0 / 3.0;
     let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
-    let found = input + output / (121.0 * 121.0);
-    assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
-    // A carrier that is held leaves the input all of it.
+    let inertia = input + output / (121.0 * 121.0);
+    assert!((inertia / cranks - 1.0).abs() < 1e-12, "{inertia} {cranks}");
+    // With a fixed carrier the input has all of the inertia.
     let held = Scene::load("rv-40e-like", &["drive.output=ring".parse().unwrap()]).unwrap();
     let of_input = held.input_shaft().moment_kg_m2 - held.mass.input_shaft.moment_kg_m2;
     let cranks = 2.0 * held.mass.internal_sleeve.moment_kg_m2 / 9.0;

@@ -16,8 +16,8 @@ fn a_family_is_its_pattern() {
     let all: Vec<Chosen> = FAMILIES.iter().flat_map(|f| f.members(LAYOUT)).collect();
     for family in FAMILIES {
         let own: Vec<Chosen> = family.members(LAYOUT).collect();
-        let found = all.iter().filter(|c| fits(family.pattern, &c.name));
-        assert!(found.eq(own.iter()), "{}", family.pattern);
+        let matches = all.iter().filter(|c| fits(family.pattern, &c.name));
+        assert!(matches.eq(own.iter()), "{}", family.pattern);
         assert!(!own.is_empty() && own.iter().all(|c| !c.name.contains('*')));
     }
     let mut names: Vec<&str> = all.iter().map(|c| c.name.as_str()).collect();

@@ -25,9 +25,9 @@ fn ways(key: &str, remedy: &str) -> Vec<String> {
     let bare = |word: &str| word.trim_matches([',', '?', ';', ':']).to_owned();
     for (k, word) in words.iter().enumerate() {
         let before = |n: usize| k.checked_sub(n).map_or("", |k| words[k]);
-        let said = bare(word);
-        let is_number = said.parse::<f64>().is_ok();
-        if before(1) == "=" && (is_number || said.starts_with('"')) {
+        let value = bare(word);
+        let is_number = value.parse::<f64>().is_ok();
+        if before(1) == "=" && (is_number || value.starts_with('"')) {
             let of = before(2);
             let dot = if of.contains('.') || table.is_empty() {
                 ""
@@ -35,9 +35,9 @@ fn ways(key: &str, remedy: &str) -> Vec<String> {
                 "."
             };
             let table = if dot.is_empty() { "" } else { table };
-            ways.push(format!("{table}{dot}{of}={said}"));
+            ways.push(format!("{table}{dot}{of}={value}"));
         } else if is_number && ["give", "least", "most", "mean"].contains(&before(1)) {
-            ways.push(format!("{key}={said}"));
+            ways.push(format!("{key}={value}"));
         }
     }
     ways

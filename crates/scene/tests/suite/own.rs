@@ -25,7 +25,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn what_is_left_out_is_derived_and_told() {
+fn omitted_keys_are_derived_and_reported() {
     let scene = Scene::from_toml(OWN, "mine.toml", &[]).unwrap();
     assert!((scene.gear.shortening - 0.75 * 40.0 / 52.0).abs() < 1e-15);
     assert!((scene.gear.hole_radius_m - 0.00475).abs() < 1e-18);
@@ -133,7 +133,7 @@ fn a_base_beside_the_file_may_have_one_itself_but_not_in_a_circle() {
 }
 
 #[test]
-fn millimetres_are_seen() {
+fn millimetres_are_detected() {
     for (typed, meant) in [
         ("eccentricity_m = 0.00075", "0.75"),
         ("internal_sleeve_radius_m = 0.004", "4"),

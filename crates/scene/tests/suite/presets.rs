@@ -58,13 +58,13 @@ fn to_toml_round_trips_to_the_last_bit() {
         assert_eq!(*Scene::from_complete(&text).unwrap(), scene);
     }
     let text = Scene::paper().to_toml();
-    for (from, to, told) in [
+    for (from, to, key) in [
         ("wheels = 2", "wheels = 0", "gear.wheels"),
         ("wheels = 2", "weels = 2", "line"),
         ("backlash_m = 0.0", "backlash_m = 0.1", "gear.backlash_m"),
     ] {
         let error = Scene::from_complete(&text.replace(from, to)).unwrap_err();
-        assert!(error.to_string().contains(told), "{error}");
+        assert!(error.to_string().contains(key), "{error}");
     }
 }
 

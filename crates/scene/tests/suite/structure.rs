@@ -1,11 +1,11 @@
-//! Parts that give way behind the contacts, by closed forms of others, and warm parts.
+//! Elastic parts behind the contacts, by published closed forms, and warm parts.
 
 use pinwheel_scene::{Fault, Held, Scene, Structure, Temperature};
 
-fn close(found: f64, wanted: f64, tolerance: f64) {
+fn close(actual: f64, wanted: f64, tolerance: f64) {
     assert!(
-        (found / wanted - 1.0).abs() < tolerance,
-        "{found} for {wanted}"
+        (actual / wanted - 1.0).abs() < tolerance,
+        "{actual} for {wanted}"
     );
 }
 
@@ -25,8 +25,8 @@ fn pins(held: Held) -> Scene {
 #[test]
 fn published_beams_and_plate_of_cycloidgen() {
     let own = |held| {
-        let found = pins(held).pin_influence_m_n().unwrap();
-        [0, 1].map(|disc: usize| 1e-3 / found[disc][disc])
+        let influence = pins(held).pin_influence_m_n().unwrap();
+        [0, 1].map(|disc: usize| 1e-3 / influence[disc][disc])
     };
     let [near, far] = own(Held::OneEnd);
     close(near, 178923.51909898117, 1e-12);
@@ -69,9 +69,9 @@ fn published_beams_between_two_discs() {
             one[0] * other[0] / (2.1e11 * inertia) + one[1] * other[1] / shear
         });
         let wanted = work.sum::<f64>() * span / f64::from(steps);
-        let found = pins(held).pin_influence_m_n().unwrap();
-        close(found[0][1], wanted, 2e-4);
-        assert_eq!(found[0][1], found[1][0]);
+        let influence = pins(held).pin_influence_m_n().unwrap();
+        close(influence[0][1], wanted, 2e-4);
+        assert_eq!(influence[0][1], influence[1][0]);
     }
 }
 
@@ -88,7 +88,7 @@ fn published_seat_is_palmgrens_line_contact() {
         1e3 * force / approach_mm,
         0.005,
     );
-    // A seat carries a pin along: at one end all of it, at both ends by the lever.
+    // A seat displaces its pin: entirely if held at one end, by the lever if held at both ends.
     let bent = |seat: Option<f64>, held| {
         let mut scene = pins(held);
         scene.structure.output_seat_length_m = seat;
@@ -213,10 +213,10 @@ fn bad_input_structure_and_temperature_name_key_and_remedy() {
         assert!(fault.remedy.contains(remedy), "{fault:?}");
     }
     let sets = ["temperature.disc_k=2000".parse().unwrap()];
-    let told = Scene::load("paper", &sets).unwrap_err().to_string();
+    let message = Scene::load("paper", &sets).unwrap_err().to_string();
     assert!(
-        told.contains("temperature.disc_k") && told.contains("1000 K"),
-        "{told}"
+        message.contains("temperature.disc_k") && message.contains("1000 K"),
+        "{message}"
     );
     assert!(pins(Held::BothEnds).check().is_ok());
 }

@@ -61,10 +61,10 @@ fn bad_input_what_makes_no_sense_is_refused() {
             &["no number of this scene"],
         ),
     ] {
-        let told = read(&format!("[uncertain]\n{line}")).expect_err(line);
-        assert!(!told.contains('\n') && told.contains("; "), "{told}");
+        let error = read(&format!("[uncertain]\n{line}")).expect_err(line);
+        assert!(!error.contains('\n') && error.contains("; "), "{error}");
         for part in parts {
-            assert!(told.contains(part), "{line}: {told}");
+            assert!(error.contains(part), "{line}: {error}");
         }
     }
 }

@@ -3,11 +3,11 @@
 use pinwheel_scene::Scene;
 use pinwheel_studies::internals::turn_to_touch;
 
-/// From the geometry, d psi/d d: 17.003 rad per metre; the curve bends away, so the found play is a little off for large d.
+/// The geometry gives d psi/d d = 17.003 rad/m; curvature makes the computed play deviate slightly for large d.
 #[test]
-fn free_play_is_found_on_the_curve() {
+fn free_play_is_computed_on_the_curve() {
     let mut scene = Scene::paper();
     scene.gear.backlash_m = 1e-5;
-    let found = turn_to_touch(&scene).unwrap();
-    assert!((found / 1e-5 - 17.003).abs() < 0.02, "{}", found / 1e-5);
+    let turn = turn_to_touch(&scene).unwrap();
+    assert!((turn / 1e-5 - 17.003).abs() < 0.02, "{}", turn / 1e-5);
 }

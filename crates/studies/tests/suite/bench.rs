@@ -26,7 +26,7 @@ fn options(methods: &[&str]) -> Options {
     }
 }
 
-/// The native solver in a peer's clothes: counts nothing, and cannot take long steps.
+/// Native solver as a peer: without counts of work, and failing at long steps.
 struct Peer;
 
 impl Engine for Peer {
@@ -75,15 +75,15 @@ fn errors_fall_at_the_order_and_the_reference_is_converged() {
         point.unwrap().errors[0].force_l2
     };
     let order = (error("rk2", 1e-5) / error("rk2", 5e-6)).log2();
-    // Measured 1.99; contacts that open and close leave a little.
+    // Measured 1.99; the rest comes from contacts that open and close.
     assert!((order - 2.0).abs() < 0.2, "{order}");
-    // RK4's order is 4 between contacts only.
+    // RK4 has order 4 only between changes of contact.
     let order = (error("rk4", 2e-5) / error("rk4", 1e-5)).log2();
     assert!(order > 2.0, "{order}");
     for method in ["dopri5", "dop853"] {
         assert!(error(method, 1e-8) < 1e-2 * error(method, 1e-4), "{method}");
     }
-    // The torque, and the largest error, belong to the same runs.
+    // Each point also has errors of torques and largest errors.
     let point = &study.series[0].points[2];
     assert!(point.errors[0].torque_l2 > 0.0 && point.errors[0].force_max > 0.0);
 }
@@ -137,7 +137,7 @@ fn csv_and_json_can_be_read_back() {
     assert_eq!(value["windows"][0]["name"], "whole");
 }
 
-/// Stopped while the second series runs: the first is kept, and the study says that it is not complete.
+/// A study stopped during its second series keeps the first, and is marked incomplete.
 #[test]
 fn what_was_measured_survives_a_stop() {
     let stop = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! The benchmark that is handed to others is what the repository gives, and its uncertainties hold.
+//! The published benchmark equals the output of this repository, and its uncertainties are valid.
 
 #[path = "../../examples/benchmark.rs"]
 #[allow(unreachable_pub, reason = "an example's main file")]
@@ -13,8 +13,8 @@ use pinwheel_scene::Scene;
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
-/// Beyond the benchmark's own uncertainty, of the largest value: what the other solutions' tolerances leave. Measured:
-/// 4.0e-8, in `one-wheel`.
+/// Permitted distance beyond the benchmark's uncertainty, relative to the largest value: truncation error of the other solutions.
+/// Measured: 4.0e-8, in `one-wheel`.
 const LIMIT: f64 = 2e-7;
 
 fn folder() -> PathBuf {
@@ -26,7 +26,7 @@ fn stored(case: &str) -> TimeSeries {
     TimeSeries::read_csv(file).expect(case)
 }
 
-/// True if two values are equal but for rounding.
+/// True if two values are equal to rounding.
 fn same(now: &Value, was: &Value) -> bool {
     match (now, was) {
         (Value::Array(now), Value::Array(was)) => {
@@ -59,9 +59,9 @@ fn regress_problems_are_what_the_presets_say() {
     }
 }
 
-/// Another integrator, and the form of the equations with multipliers where that is not too dear.
+/// Solves a case by another integrator, and by the form with multipliers where its cost permits.
 fn again(case: &str, preset: &str, sets: &[&str]) -> TimeSeries {
-    // Friction is stiff: an explicit method would take its steps from stability.
+    // Friction is stiff: stability would limit the steps of an explicit method.
     let (form, integrator, tolerance) = match case {
         "friction" => ("native-reduced", "rodas5p", 1e-8),
         "steel" | "forty-pins" => ("native-reduced", "dop853", 1e-10),
@@ -79,7 +79,7 @@ fn again(case: &str, preset: &str, sets: &[&str]) -> TimeSeries {
     run.time_series
 }
 
-/// Runs the benchmark's own reader: true if no quantity is off by more than `limit`, and its output.
+/// Runs the benchmark's own reader. Returns true if no error exceeds `limit`, and the reader's output.
 fn read(case: &str, mine: &TimeSeries, limit: f64) -> (bool, String) {
     let folder_of_mine = tempfile::tempdir().unwrap();
     let path = folder_of_mine.path().join("mine.csv");
@@ -89,10 +89,10 @@ fn read(case: &str, mine: &TimeSeries, limit: f64) -> (bool, String) {
     let mut command = Command::new(python);
     command.arg(folder().join("read.py")).arg(case).arg(&path);
     let output = command.arg(limit.to_string()).output().expect("Python");
-    let said = [output.stdout, output.stderr].concat();
+    let text = [output.stdout, output.stderr].concat();
     (
         output.status.success(),
-        String::from_utf8_lossy(&said).into_owned(),
+        String::from_utf8_lossy(&text).into_owned(),
     )
 }
 
@@ -101,10 +101,10 @@ fn regress_another_form_and_integrator_give_the_benchmark() {
     for (case, preset, sets) in benchmark::CASES {
         let start = std::time::Instant::now();
         let mine = again(case, preset, sets);
-        let (agrees, said) = read(case, &mine, LIMIT);
-        println!("{case}, {:.1} s\n{said}", start.elapsed().as_secs_f64());
-        assert!(agrees, "{case}: {said}");
-        // A thousandth of one force is seen, and so is a value that is none.
+        let (agrees, text) = read(case, &mine, LIMIT);
+        println!("{case}, {:.1} s\n{text}", start.elapsed().as_secs_f64());
+        assert!(agrees, "{case}: {text}");
+        // One force off by a thousandth is detected, and so is NaN.
         for factor in [1.001, f64::NAN].into_iter().filter(|_| case == "paper") {
             let mut spoiled = TimeSeries::new(mine.time_s().to_vec()).unwrap();
             for channel in mine.channels() {

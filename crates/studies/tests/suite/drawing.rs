@@ -5,7 +5,7 @@ use pinwheel_scene::{CheckedScene, Modification, Scene, bore_radius_m};
 use pinwheel_studies::design::CHORD_M;
 use pinwheel_studies::internals::discs;
 
-/// Pairs of code and value.
+/// Returns the pairs of group code and value.
 fn read(dxf: &str) -> Vec<(u32, &str)> {
     let lines: Vec<&str> = dxf.lines().collect();
     let pairs = lines.as_chunks::<2>().0.iter();
@@ -14,8 +14,8 @@ fn read(dxf: &str) -> Vec<(u32, &str)> {
         .collect()
 }
 
-/// Read back from the file: the middle of every chord lies within the stated error of the edge, which the contacts'
-/// closest points know; corners lie on it.
+/// In the drawing read back from DXF, corners lie on the edge of the contact search, and the middle of every chord within the
+/// stated error of it.
 #[test]
 fn drawings_lie_on_the_edge() {
     for (equidistant_m, radial_m, rotational_rad) in [
@@ -39,7 +39,7 @@ fn drawings_lie_on_the_edge() {
             gear.generating_shortening(),
         )
         .unwrap();
-        // Outside of what two turned discs have in common: outside of one of them.
+        // Distance outside the intersection of two rotated discs: the larger of both distances.
         let outside = |p: Complex| {
             let of =
                 |turn: f64| curve.closest(p * Complex::unit(turn)).distance + gear.edge_offset_m();
@@ -49,18 +49,18 @@ fn drawings_lie_on_the_edge() {
         let pairs = read(&dxf);
         let numbers = |wanted: u32, layer: &str| {
             let (mut inside, mut at) = (false, "");
-            let mut found = Vec::new();
+            let mut values = Vec::new();
             for &(code, value) in &pairs {
                 match code {
                     0 => at = value,
                     8 => inside = value == layer && (layer != "edge" || at == "VERTEX"),
                     _ if inside && code == wanted => {
-                        found.push(1e-3 * value.parse::<f64>().unwrap());
+                        values.push(1e-3 * value.parse::<f64>().unwrap());
                     }
                     _ => (),
                 }
             }
-            found
+            values
         };
         let (x, y) = (numbers(10, "edge"), numbers(20, "edge"));
         assert_eq!(x.len(), drawing.corners);
@@ -84,7 +84,7 @@ fn drawings_lie_on_the_edge() {
         let radius = |layer: &str| numbers(40, layer)[0];
         assert!((radius("bore") - bore_radius_m(gear)).abs() < 1e-12);
         assert_eq!(numbers(40, "output_pins").len(), gear.internal_sleeves);
-        // At the input angle 0 every ring pin touches the edge of a disc that is not modified.
+        // At the input angle 0 every ring pin touches an unmodified disc.
         let (x, y) = (numbers(10, "ring_pins"), numbers(20, "ring_pins"));
         assert_eq!(x.len(), gear.external_sleeves);
         for at in x
@@ -101,8 +101,8 @@ fn drawings_lie_on_the_edge() {
     }
 }
 
-/// Two discs are one part where zs is odd and zi even, and else by the rule of common divisors: shown by turning one onto the
-/// other. A hole that is off makes them two.
+/// Two discs are identical parts if zs is odd and zi even, otherwise by the rule of common divisors. A displaced hole makes them
+/// different parts.
 #[test]
 fn discs_that_are_one_part_are_one_drawing() {
     let divisor = |mut a: usize, mut b: usize| {

@@ -29,7 +29,7 @@ fn beyond_its_ends_only_bounds() {
 #[test]
 fn beaten_points_are_not_on_the_front() {
     let mut points = LINE.to_vec();
-    // Dearer and worse, equal and worse, and one that ran away.
+    // Costlier and less accurate, equally costly and less accurate, and diverged.
     points.extend([(120.0, 5e-3), (100.0, 2e-4), (1.0, f64::INFINITY)]);
     points.reverse();
     assert_eq!(front(&points), LINE);

@@ -1,8 +1,7 @@
-//! Random valid gears with fixed seeds: the scenes that nobody tuned anything to.
+//! Random valid gears with fixed seeds: scenes without any tuning.
 //!
-//! A gear is drawn from ratios first (what carries how much of what), then put to a size: lengths from a watch to a
-//! wind turbine, times and masses that follow from materials and speeds. Runs last a few oscillations of the gear on
-//! its contacts, and the free flight through its backlash before them.
+//! Each gear is drawn from dimensionless ratios first, then scaled: lengths from a watch to a wind turbine, times and masses from
+//! materials and speeds. Runs last for the free flight through the backlash and a few oscillations of the gear on its contacts.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,15 +15,15 @@ use pinwheel_studies::rng::Rng;
 
 /// Range of a run's duration in periods of the gear's fastest oscillation on its contacts.
 const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
-/// With friction, whose steps are many: a share of them.
+/// Share of the duration in runs with friction, which need many steps.
 const RUBBING: f64 = 0.3;
-/// Samples of a run.
+/// Number of samples of a run.
 const SAMPLES: f64 = 60.0;
 
-/// The gear of a seed; `None` when a thousand draws give no valid one.
+/// Returns the gear of a seed, or `None` if a thousand draws give no valid one.
 pub(crate) fn gear(seed: u64) -> Option<Scene> {
     let mut rng = Rng::new(seed);
-    // Of its own, so that gears without bearings are what they were before there were any.
+    // Separate numbers, so that gears without bearings do not depend on those with bearings.
     let mut bearings = Rng::new(!seed);
     let mut cranks = Rng::new(seed.rotate_left(32));
     let scene = (0..1000).find_map(|_| draw(&mut rng, &mut bearings, &mut cranks))?;
@@ -34,7 +33,7 @@ pub(crate) fn gear(seed: u64) -> Option<Scene> {
     })
 }
 
-/// One draw; `None` if its parts do not fit together.
+/// Draws a gear; `None` if its parts do not fit together.
 fn draw(rng: &mut Rng, apart: &mut Rng, of_cranks: &mut Rng) -> Option<Scene> {
     let mut scene = Scene::paper();
     scene.gear = geometry(rng);
@@ -47,7 +46,7 @@ fn draw(rng: &mut Rng, apart: &mut Rng, of_cranks: &mut Rng) -> Option<Scene> {
     cranks(of_cranks, &mut scene);
     solver(rng, &mut scene);
     let checked = scene.clone().check().ok()?;
-    // A load can be more than the teeth carry from an equilibrium.
+    // The load may exceed the capacity of the teeth at an equilibrium.
     Gearbox::new(&checked).ok()?;
     Some(scene)
 }
@@ -58,7 +57,7 @@ fn geometry(rng: &mut Rng) -> Gear {
     let shortening = rng.between(0.4, 0.9);
     let eccentricity = shortening * pitch_radius / zk as f64;
     let k = zk as f64;
-    // Smallest convex radius of the pin centre's path as its formula has it, where that is not at an end.
+    // Smallest convex radius of the pin centre's path, by the formula for an interior minimum.
     let bend = pitch_radius
         * (27.0 * (1.0 - shortening * shortening) * (k - 1.0) / (k + 1.0).powi(3)).sqrt();
     let pitch = pitch_radius * (PI / k).sin();
@@ -111,13 +110,13 @@ fn masses(rng: &mut Rng, gear: &Gear, density: f64) -> Masses {
         input_shaft: disc(0.3 * radius, 1.0),
         output_shaft: disc(radius, rng.spread(0.1, 3.0)),
         wheel: disc(radius, rng.spread(0.1, 1.0)),
-        // Tables of real gears hold moments that are up to several times a cylinder's.
+        // Tables of real gears list moments of inertia up to several times a cylinder's.
         internal_sleeve: disc(gear.internal_sleeve_radius_m, rng.spread(0.5, 6.0)),
         external_sleeve: disc(gear.external_sleeve_radius_m, rng.spread(0.5, 6.0)),
     }
 }
 
-/// Law and stiffness; damping comes with the load.
+/// Draws law and stiffness; damping depends on the load.
 fn material(rng: &mut Rng, scene: &mut Scene) {
     let laws = [
         "paper",
@@ -139,7 +138,7 @@ fn material(rng: &mut Rng, scene: &mut Scene) {
     contact.line_length_m = 0.15 * scene.gear.pitch_radius_m();
 }
 
-/// Hertz' stiffness of a ring pin, N/m^1.5.
+/// Returns Hertz' stiffness of a ring pin, N/m^1.5.
 fn hertz(scene: &Scene) -> f64 {
     let contact = &scene.contact;
     2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
@@ -147,18 +146,18 @@ fn hertz(scene: &Scene) -> f64 {
         * scene.gear.external_sleeve_radius_m.sqrt()
 }
 
-/// Speed and every kind of load: none, at once, by a ramp, changes; from either start.
+/// Draws the speed, the load (none, constant, ramp, changes) and the start.
 fn drive(rng: &mut Rng, scene: &mut Scene) {
     let gear = &scene.gear;
     let sleeve = gear.external_sleeve_radius_m;
-    // The load presses the most loaded pin in by this share of its radius.
+    // Penetration of the most loaded pin under the load.
     let depth = sleeve * rng.spread(1e-4, 1e-2);
     let force = hertz(scene) * depth.powf(1.5);
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let load = 0.25 * force * lever * gear.external_sleeves as f64 * gear.wheels as f64;
     let kind = rng.share();
     let drive = &mut scene.drive;
-    // The disc's edge at 0.1 to 10 m/s.
+    // Speed of the disc's edge: 0.1 to 10 m/s.
     drive.input_speed_rad_s = rng.sign() * rng.spread(0.05, 5.0) / gear.pitch_radius_m();
     drive.output_torque_n_m = if kind < 0.04 { 0.0 } else { rng.sign() * load };
     drive.start = if rng.chance(0.3) {
@@ -168,7 +167,7 @@ fn drive(rng: &mut Rng, scene: &mut Scene) {
     };
 }
 
-/// Everything of the contact that is measured by what the load does to it.
+/// Draws parameters of the contact that scale with its penetration under load.
 fn contact(rng: &mut Rng, scene: &mut Scene) {
     let ((depth, frequency), stiffness) = (twist(scene), hertz(scene));
     let speed = depth * frequency;
@@ -192,7 +191,7 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
         contact.friction_coefficient = rng.spread(0.005, 0.3);
         contact.friction_ramp_m_s = slide * rng.spread(1e-3, 1e-1);
         if rng.chance(0.15) {
-            // Followed explicitly: its ramps are as wide as those of the published models that use it.
+            // Explicit law: its ramps are as wide as in the published models that use it.
             contact.friction_law = FrictionLaw::Adams;
             contact.friction_ramp_m_s *= 20.0;
             contact.friction_dynamic_coefficient = 0.7 * contact.friction_coefficient;
@@ -206,7 +205,8 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
     }
 }
 
-/// A fifth of the gears float on bearings, linear or of rollers, with clearance or without, and half of these have pins that bend.
+/// Draws bearings: a fifth of the gears have floating discs, on linear or roller bearings, with clearance or without, half of these
+/// with bending pins.
 fn bearings(rng: &mut Rng, scene: &mut Scene) {
     if !rng.chance(0.2) {
         return;
@@ -214,7 +214,7 @@ fn bearings(rng: &mut Rng, scene: &mut Scene) {
     let (depth, force) = (twist(scene).0, typical_force(scene));
     let clearance = depth * rng.spread(0.1, 3.0);
     let [has_rollers, is_loose, bends] = [0.4, 0.3, 0.5].map(|share| rng.chance(share));
-    // Some times stiffer than the contacts to as soft as they are.
+    // Stiffness from half to ten times that of the contacts.
     let [stiffness, pin] = [force, 0.1 * force].map(|force| force / depth * rng.spread(0.5, 10.0));
     let rollers = rng.integer(8, 30);
     scene.bearings.eccentric = Some(EccentricBearing {
@@ -227,7 +227,7 @@ fn bearings(rng: &mut Rng, scene: &mut Scene) {
     scene.bearings.internal_sleeve_stiffness_n_m = bends.then_some(pin);
 }
 
-/// A third of those that float are RV gears, on rigid supports or elastic ones.
+/// Draws cranks: a third of the gears with floating discs are RV gears, on rigid or elastic supports.
 fn cranks(rng: &mut Rng, scene: &mut Scene) {
     if scene.bearings.eccentric.is_none() || !rng.chance(0.35) {
         return;
@@ -252,12 +252,12 @@ fn cranks(rng: &mut Rng, scene: &mut Scene) {
     if let Some(cranks) = &mut scene.cranks {
         cranks.support_stiffness_n_m = is_elastic.then_some(support);
     }
-    // Eccentrics turn as fast as without the first stage.
+    // The eccentrics keep their speed without the first stage.
     scene.drive.input_speed_rad_s /= scene.eccentric_per_input().abs();
 }
 
-/// Penetration of the most loaded pin, m, and the frequency of a disc on its pins, rad/s, at the load; of a load
-/// of a hundredth of that without any.
+/// Returns the penetration of the most loaded pin, m, and the frequency of a disc on its pins, rad/s, under the load, but at least
+/// under a small reference load.
 fn twist(scene: &Scene) -> (f64, f64) {
     let gear = &scene.gear;
     let lever = gear.eccentricity_m * gear.lobes() as f64;
@@ -300,8 +300,7 @@ fn solver(rng: &mut Rng, scene: &mut Scene) {
     let solver = &mut scene.solver;
     solver.duration_s = duration;
     solver.sample_s = duration / SAMPLES;
-    // What a scene says without having been tuned: its steps come from its frequencies.
-    // Of those engines whose samples lie on equal steps a whole number.
+    // Steps come from the frequencies, as nobody tuned the scene. Engines with equal steps need an integer number per sample.
     solver.step_s = solver.sample_s / (solver.sample_s / (0.02 * period)).ceil();
     solver.integrator = "auto".to_owned();
 }

@@ -1,4 +1,4 @@
-//! The loop of a load with the input locked: by a run and by statics.
+//! Hysteresis loop of the load with the input locked: by a run and by statics.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
@@ -12,7 +12,7 @@ use crate::losses::PRINTED;
 /// Arc minutes of a radian.
 const ARCMIN: f64 = 10_800.0 / std::f64::consts::PI;
 
-/// Angles of a run's loop at a torque, arcmin: the load falls, and it rises.
+/// Returns the angles of a run's loop at a torque, arcmin: under falling and under rising load.
 fn of_run(cycle: &design::Cycle, torque: f64) -> [f64; 2] {
     let points = cycle.torque_n_m.iter().zip(&cycle.angle_arcmin);
     let points: Vec<_> = points.skip(cycle.closed_from).collect();
@@ -28,7 +28,7 @@ fn of_run(cycle: &design::Cycle, torque: f64) -> [f64; 2] {
     })
 }
 
-/// Angles by statics at a torque, arcmin: the load falls, and it rises.
+/// Returns the angles by statics at a torque, arcmin: under falling and under rising load.
 fn by_statics(gearbox: &Gearbox, torque: f64) -> [f64; 2] {
     let at = Statics::new(gearbox).unwrap().solve(0.0, torque).unwrap();
     let mut statics = Statics::rubbing(gearbox).unwrap().unwrap();
@@ -38,8 +38,8 @@ fn by_statics(gearbox: &Gearbox, torque: f64) -> [f64; 2] {
     })
 }
 
-/// Compares the run's loop of a gear with statics: the width at no load within its uncertainty, and widths at 3, 20 and 50 % of
-/// the load and angles of the branches within these shares.
+/// Compares the run's loop of a gear with statics: the width at no load within its uncertainty, and within these shares the widths
+/// at 3, 20 and 50 % of the load and the angles of the branches.
 fn agrees(gearbox: &Gearbox, widths: [f64; 3], angle: f64) {
     let rated = gearbox.scene.drive.output_torque_n_m.abs();
     let cycle = design::cycle(gearbox, rated, &Control::quiet()).unwrap();
@@ -58,8 +58,8 @@ fn agrees(gearbox: &Gearbox, widths: [f64; 3], angle: f64) {
     }
 }
 
-/// Pins of a printed gear that are all held. Measured: widths within 0.06 %. At no load the width is almost 0 (statics: 0.0001 arcmin) and has a
-/// kink, which the run misses by 0.0008 arcmin, within its uncertainty.
+/// Printed gear whose pins do not rotate. Measured: widths within 0.06 %. At no load the width is almost 0 (statics: 0.0001 arcmin)
+/// and has a kink, which the run misses by 0.0008 arcmin, within its uncertainty.
 #[test]
 #[ignore = "weekly: 13 s for held pins"]
 fn crossval_hysteresis_by_statics_is_that_of_a_run() {
@@ -68,7 +68,7 @@ fn crossval_hysteresis_by_statics_is_that_of_a_run() {
     agrees(&Gearbox::new(&scene).unwrap(), [0.01; 3], 3e-3);
 }
 
-/// Needles and seals that rub, beside pins that roll freely. Measured: widths within 0.2, 1.4 and 0.002 %, angles within 1.4e-4.
+/// Needles and seals with friction, beside freely rolling pins. Measured: widths within 0.2, 1.4 and 0.002 %, angles within 1.4e-4.
 #[test]
 fn crossval_hysteresis_of_needles_and_seals() {
     let sets = ["bearings.sleeve_friction_coefficient=0".parse().unwrap()];
@@ -76,7 +76,7 @@ fn crossval_hysteresis_of_needles_and_seals() {
     agrees(&Gearbox::new(&scene).unwrap(), [0.01, 0.03, 1e-3], 5e-4);
 }
 
-/// Bearings of an RV gear's cranks that rub like plain bushes, so that the loop is wide. Measured: widths within 7.4 % (a fifth of
+/// Crank bearings of an RV gear with the friction of plain bushes, which give a wide loop. Measured: widths within 7.4 % (a fifth of
 /// the run's uncertainty), 0.15 and 0.009 %, angles within 0.17 %.
 #[test]
 fn crossval_hysteresis_of_needles_on_cranks() {
@@ -86,7 +86,7 @@ fn crossval_hysteresis_of_needles_on_cranks() {
     agrees(&Gearbox::new(&scene).unwrap(), [0.15, 0.01, 1e-3], 3e-3);
 }
 
-/// A disc in the clearance of its cranks that swings to their other side under a falling load: no width at next to no load.
+/// No width is given at almost no load if a disc swings through the clearance of its cranks under a falling load.
 #[test]
 fn hard_a_disc_that_swings_has_no_width() {
     let gearbox = Gearbox::new(&small_rv().draft().unwrap().scene).unwrap();
@@ -95,8 +95,8 @@ fn hard_a_disc_that_swings_has_no_width() {
     let load = gearbox.load_torque(1.0);
     let figures = hysteresis(&mut statics, &poses, load).unwrap();
     let [loaded, idle] = ["hysteresis_arcmin", "hysteresis_no_load_arcmin"].map(|key| {
-        let found = figures.iter().find(|figure| figure.def.key == key);
-        found.unwrap().value
+        let figure = figures.iter().find(|figure| figure.def.key == key);
+        figure.unwrap().value
     });
     assert!(loaded.unwrap() > 0.0);
     assert!(idle.is_none(), "{idle:?}");

@@ -5,7 +5,7 @@ use pinwheel_studies::baseline::{
 };
 use pinwheel_studies::internals::{case, cost, quantity};
 
-/// Two forces that swing, the second scaled.
+/// Returns the statistics of two oscillating forces, the second scaled.
 fn course(shift: f64, second: f64) -> Statistics {
     let wave = |k: i32| 100.0 + shift + 30.0 * (f64::from(k) * 0.3).sin();
     let first: Vec<f64> = (0..200).map(wave).collect();
@@ -13,7 +13,7 @@ fn course(shift: f64, second: f64) -> Statistics {
     Statistics::of_course(&[&first, &other])
 }
 
-/// An accepted run 1e-3 off the converged one, judged against others.
+/// Judges a run against an accepted one with an error of 1e-3.
 fn judged(after: &Statistics) -> QuantityCheck {
     let (converged, ours) = (course(0.0, 1.0), course(0.1, 1.0));
     let scale = converged.whole_rms();
@@ -38,7 +38,7 @@ fn verdicts() {
     assert_eq!(verdict(0.105), Verdict::Changed);
     assert_eq!(verdict(0.12), Verdict::Worse);
     assert_eq!(verdict(0.08), Verdict::Better);
-    // As far off, on the other side: moved by twice the error, and as good as before.
+    // An equal error of the opposite sign changes by twice the error.
     assert_eq!(verdict(-0.1), Verdict::Changed);
     assert_eq!(verdict(f64::NAN), Verdict::Worse);
     let other = Statistics {
@@ -58,7 +58,7 @@ fn verdicts() {
     assert!(quantity(Quantity::ExternalForce, &other, &same, &converged).is_none());
 }
 
-/// One force of two off by 1e-9 of itself is no rounding; a change in the last digits is one.
+/// A relative change of 1e-9 in one of two forces is no rounding; a change of the last digits is.
 #[test]
 fn a_change_of_one_force_by_1e_9_is_no_rounding() {
     let scaled = |factor: f64| judged(&course(0.1, factor));
@@ -68,7 +68,7 @@ fn a_change_of_one_force_by_1e_9_is_no_rounding() {
     assert_eq!(scaled(1.0 + 1e-15).verdict, Verdict::Same);
 }
 
-/// Half the error at twice the steps is a trade; a tenth less of it is not, and more of it never.
+/// Half the error at twice the steps is a trade. A slightly smaller error is not, and a larger error never is.
 #[test]
 fn accuracy_may_be_bought() {
     let costs = |after: f64| {

@@ -1,4 +1,4 @@
-//! Engines side by side: the same results as one after the other, Python's one at a time, and all stop at once.
+//! Concurrent engines: results equal sequential ones, only one engine at a time runs in Python, and a stop ends all.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -10,12 +10,12 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{self, Effort, Input, Lanes};
 use pinwheel_studies::{Progress, StudyError};
 
-/// The native solver under another name, as slow as is asked for.
+/// Native solver under another name, with a requested duration.
 struct Peer {
     name: &'static str,
     in_python: bool,
     pause: Duration,
-    /// Runs at this moment, and most at once, of those in Python and of all.
+    /// Current and largest number of runs, of engines in Python and of all.
     running: Arc<[AtomicUsize; 4]>,
 }
 
@@ -105,17 +105,17 @@ fn compared(
         jobs,
         ..Lanes::default()
     };
-    let mut found = comparison::run_on(&input, Effort::of(&gearbox.scene), &lanes, control)?;
-    for engine in &mut found.comparison.engines {
+    let mut outcome = comparison::run_on(&input, Effort::of(&gearbox.scene), &lanes, control)?;
+    for engine in &mut outcome.comparison.engines {
         (engine.cost.wall_s, engine.cost.cpu_s) = (0.0, 0.0);
-        // Its cost is a ratio of times.
+        // The cost of a refinement is a ratio of times.
         engine.refinement = None;
     }
-    let series = found.participants.iter().map(|one| &one.time_series);
+    let series = outcome.participants.iter().map(|one| &one.time_series);
     let series: Vec<_> = series.map(|one| (one.time_s(), one.channels())).collect();
     Ok(format!(
         "{} {series:?}",
-        serde_json::to_string(&found.comparison).unwrap()
+        serde_json::to_string(&outcome.comparison).unwrap()
     ))
 }
 
@@ -148,10 +148,10 @@ fn one_interpreter_runs_one_engine() {
 fn a_stop_ends_all() {
     let (engines, running) = peers(20_000);
     let (stop, begun) = (AtomicBool::new(false), Instant::now());
-    let said = Mutex::new(Vec::new());
-    let progress = |at: Progress<'_>| said.lock().unwrap().push(at.piece.to_owned());
+    let pieces = Mutex::new(Vec::new());
+    let progress = |at: Progress<'_>| pieces.lock().unwrap().push(at.piece.to_owned());
     let control = Control::new(&stop, &progress);
-    let found = std::thread::scope(|scope| {
+    let stopped = std::thread::scope(|scope| {
         scope.spawn(|| {
             while running[2].load(Ordering::Relaxed) < 3 && begun.elapsed().as_secs() < 4 {
                 std::thread::sleep(Duration::from_millis(2));
@@ -160,28 +160,28 @@ fn a_stop_ends_all() {
         });
         compared(&engines, 3, &control)
     });
-    assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
+    assert!(matches!(stopped, Err(StudyError::Cancelled)), "{stopped:?}");
     assert!(begun.elapsed() < Duration::from_secs(4));
-    // Whatever runs is named, in the engines' order.
-    let said = said.lock().unwrap();
-    assert!(said.iter().any(|piece| piece == "a, b, d"), "{said:?}");
+    // Progress names all running engines, in their order.
+    let pieces = pieces.lock().unwrap();
+    assert!(pieces.iter().any(|piece| piece == "a, b, d"), "{pieces:?}");
 }
 
-/// Every engine's progress reaches the reader, and the time left with it; the test `outlook` measures how right it is.
+/// Progress of every engine arrives with the remaining time, whose accuracy the test `outlook` measures.
 #[test]
-fn time_left_is_told_while_engines_run() {
+fn time_left_is_reported_while_engines_run() {
     let (mut engines, _) = peers(1000);
     engines.truncate(2);
-    let told = Mutex::new(Vec::new());
+    let reports = Mutex::new(Vec::new());
     let progress = |at: Progress<'_>| {
         let now = (at.piece.to_owned(), at.left_s);
-        told.lock().unwrap().push(now);
+        reports.lock().unwrap().push(now);
     };
     let stop = AtomicBool::new(false);
     compared(&engines, 2, &Control::new(&stop, &progress)).unwrap();
-    let told = told.into_inner().unwrap();
-    // Of what begins now nothing is known.
-    assert_eq!(told[1].1, None);
-    let left = |told: &(String, Option<f64>)| told.1.is_some_and(|left| left > 0.0);
-    assert!(told.iter().any(left), "{told:?}");
+    let reports = reports.into_inner().unwrap();
+    // The remaining time is unknown at the start.
+    assert_eq!(reports[1].1, None);
+    let left = |report: &(String, Option<f64>)| report.1.is_some_and(|left| left > 0.0);
+    assert!(reports.iter().any(left), "{reports:?}");
 }

@@ -1,4 +1,4 @@
-//! Loads of parts against what they may bear.
+//! Loads of parts against their limits.
 
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
@@ -28,21 +28,21 @@ fn scene() -> Scene {
 }
 
 fn get<'a>(limits: &'a Limits, def: &FigureDef, of: &str) -> &'a Limit {
-    let found = limits
+    let limit = limits
         .each
         .iter()
         .find(|one| one.def.key == def.key && one.of == of);
-    found.unwrap_or_else(|| panic!("{} {of}: {limits:?}", def.key))
+    limit.unwrap_or_else(|| panic!("{} {of}: {limits:?}", def.key))
 }
 
-/// Pressures with a band, one above the endurance of rolling steel.
+/// Returns pressures, the external one with a band by contact law.
 fn pressures(external_mpa: f64) -> Vec<Figure> {
     let mut external = defs::EXTERNAL_PRESSURE.of(external_mpa, 10.0);
     external.by_contact_law = Some([external_mpa - 50.0, external_mpa + 100.0]);
     vec![external, defs::INTERNAL_PRESSURE.of(300.0, 0.0)]
 }
 
-/// The margin counts the uncertainty and the worse end of the band; what is not known is not judged, and then nothing is *yes*.
+/// The margin includes the uncertainty and the worse end of the band. Unknown limits are not judged, and exclude the answer *yes*.
 #[test]
 fn limits_count_the_worse_end() {
     let scene = scene();
@@ -57,7 +57,7 @@ fn limits_count_the_worse_end() {
     assert!((still.margin.unwrap() - 4000.0 / 1111.0).abs() < 1e-9);
     assert_eq!(limits.bears_its_load, Answer::AsFarAsJudged);
     assert_eq!(limits.margin, endurance.margin);
-    // Just above and just below.
+    // Pressures just above and just below the limit.
     for (pressure, answer) in [(1390.0, Answer::No), (1389.0, Answer::AsFarAsJudged)] {
         let limits = Limits::of(&scene, &pressures(pressure));
         assert_eq!(limits.bears_its_load, answer, "{limits:?}");
@@ -84,7 +84,7 @@ fn limits_count_the_worse_end() {
     );
 }
 
-/// The softer of two materials gives way first.
+/// The softer of two materials sets the limit.
 #[test]
 fn limits_of_the_softer_material() {
     let mut scene = scene();
@@ -99,24 +99,24 @@ fn limits_of_the_softer_material() {
     assert!(!limits.each.iter().any(|one| one.of == "for endurance"));
 }
 
-/// Figures of a whole design against closed forms of its own forces.
+/// Figures of a complete design against closed forms of its own forces.
 #[test]
 fn limits_of_a_design() {
     let of = |scene: Scene| {
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
         design::run(&gearbox, false, &Control::silent(&Default::default())).unwrap()
     };
-    let found = of(scene());
+    let result = of(scene());
     let value = |def: &FigureDef| {
-        let figure = found.figures.iter().find(|one| one.is(def));
+        let figure = result.figures.iter().find(|one| one.is(def));
         figure.unwrap().value.unwrap()
     };
     let [still, _] = scene().roller_ratings_n().unwrap();
-    let force = found.most_loaded().unwrap().force_n.max;
+    let force = result.most_loaded().unwrap().force_n.max;
     assert!((value(&defs::STATIC_SAFETY) / (still / force) - 1.0).abs() < 1e-9);
     assert!(value(&defs::BEARING_LIFE) > 0.0);
     let pin = value(&defs::INTERNAL_FORCE);
-    // Discs half a turn apart press on a pin one at a time, the far one on an arm of one and a half discs.
+    // Discs half a turn apart load a pin alternately; the far one has an arm of one and a half discs.
     let section = PI * 0.018_f64.powi(3) / 32.0;
     let bent = 1e-6 * pin * 1.5 * 0.0078 / section;
     let off = value(&defs::PIN_BENDING) / bent - 1.0;
@@ -125,13 +125,13 @@ fn limits_of_a_design() {
     let sheared = 1e-6 * pin / (2.0 * wall * 0.0078);
     assert!((value(&defs::WALL_SHEAR) / sheared - 1.0).abs() < 1e-6);
     assert_eq!(
-        found.limits.bears_its_load,
+        result.limits.bears_its_load,
         Answer::Yes,
         "{:?}",
-        found.limits
+        result.limits
     );
 
-    // Held at both ends, the middle of a disc is a quarter of the span from its flange: F a b/L.
+    // With both ends held, the middle of a disc is a quarter of the span from its flange: F a b/L.
     let mut held = scene();
     held.bearings.internal_sleeves_held = Some(Held::BothEnds);
     held.limits.bending_pa = Some(1e6);
@@ -146,7 +146,7 @@ fn limits_of_a_design() {
     assert_eq!(held.limits.exceeded(), Some(limit));
 }
 
-/// RV gear of a pin circle of 93 mm, an outer diameter of 133 mm, with the torque of one of 190 mm.
+/// Returns an RV gear with a pin circle of 93 mm, an outer diameter of 133 mm, and the torque of a gear of 190 mm.
 pub(crate) fn small_rv() -> Catalogue {
     Catalogue {
         name: "small".into(),
@@ -172,8 +172,8 @@ pub(crate) fn small_rv() -> Catalogue {
     }
 }
 
-/// A gear too small for its torque, and the size that bears it. At that size all limits of `design` hold, at 0.9 of it one does not; with a
-/// quarter of the torque there is no message. Measured with the largest clearances: 2015 MPa, of 1500.
+/// The message on a gear too small for its torque states a sufficient size. At that size all limits hold, at 0.9 of it one is
+/// exceeded; a quarter of the torque gives no message. Measured with the largest clearances: 2015 MPa of 1500.
 #[test]
 fn hard_a_gear_too_small_is_named_with_its_size() {
     let weak = |times: f64, torque: f64| {

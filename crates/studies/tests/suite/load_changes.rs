@@ -1,4 +1,4 @@
-//! A load that changes during the run: methods keep their order and tolerance over it, and the energy account closes.
+//! Load changes during the run: methods keep their order and tolerance, and the energy account closes.
 
 use pinwheel_faults::{Armed, Fault};
 use pinwheel_gearbox::Gearbox;
@@ -7,8 +7,8 @@ use pinwheel_scene::load_profile;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_timeseries::TimeSeries;
 
-/// A jump between two steps, a ramp, a jump on a step and a sample; loads under which the teeth stay in contact, as every
-/// stroke after a flight multiplies the error of its time.
+/// Load profile: a jump between two steps, a ramp, a jump on a step and a sample. Teeth stay in contact, because every impact after a
+/// flight would multiply the error of its time.
 const CHANGES: &str = "[{ time_s = 0.0010037, output_torque_n_m = 44.0 }, \
      { time_s = 0.0025011, output_torque_n_m = 30.0, ramp_s = 0.00091 }, \
      { time_s = 0.005, output_torque_n_m = 22.0 }]";
@@ -34,11 +34,11 @@ fn run(settings: &[(&str, &str)]) -> NativeRun {
         .unwrap()
 }
 
-/// Relative L2 distance of all pin forces.
-fn off(found: &TimeSeries, reference: &TimeSeries) -> f64 {
+/// Returns the relative L2 distance of all pin forces.
+fn off(actual: &TimeSeries, reference: &TimeSeries) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
-        for (a, b) in found.group(kind).iter().zip(reference.group(kind)) {
+        for (a, b) in actual.group(kind).iter().zip(reference.group(kind)) {
             for (a, b) in a.iter().zip(b) {
                 difference += (a - b).powi(2);
                 size += b * b;
@@ -63,15 +63,15 @@ fn error(integrator: &str, step: &str, tolerance: &str, formulation: &str) -> (f
         ("solver.tolerance", tolerance),
         ("solver.formulation", formulation),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     (
-        off(&found.time_series, &converged(&[])),
-        found.counts.evaluations,
+        off(&run.time_series, &converged(&[])),
+        run.counts.evaluations,
     )
 }
 
-/// Orders between 2e-5 and 2.5e-6 s. Measured 2.00 for all methods of order two and 3.68 for `rk4`; when steps pass over the
-/// jumps Heun's error is 8.6 times as large at 2.5e-6 s, and `rk4`'s order 1.45.
+/// Orders between 2e-5 and 2.5e-6 s. Measured: 2.00 for all methods of order two, 3.68 for `rk4`. With steps across the jumps
+/// Heun's error at 2.5e-6 s is 8.6 times as large, and the order of `rk4` is 1.45.
 #[test]
 fn hard_fixed_steps_keep_their_order_over_load_changes() {
     let order = |integrator: &str, formulation: &str| {
@@ -107,7 +107,7 @@ fn hard_tolerances_hold_over_load_changes() {
     }
 }
 
-/// A law with a potential closes its account over jumps and ramps of the load, and on both sides of each: measured
+/// For a law with a potential the energy account closes over jumps and ramps of the load, and on both sides of each. Measured:
 /// 2.9e-8 J of 0.84 J.
 #[test]
 fn hard_energy_closes_over_load_changes() {
@@ -117,13 +117,13 @@ fn hard_energy_closes_over_load_changes() {
         ("solver.tolerance", "1e-10"),
         ("solver.step_s", "1e-6"),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     let breaks = load_profile::breaks(&scene(&settings).drive);
     let mut ends = vec![0.0];
     ends.extend(breaks);
     ends.push(0.008);
     for span in ends.windows(2).map(|w| (w[0], w[1])).chain([(0.0, 0.008)]) {
-        let audit = found.energy.audit(span.0, span.1).unwrap();
+        let audit = run.energy.audit(span.0, span.1).unwrap();
         println!(
             "{:.5} to {:.5} s: load {:.3e} J, remainder {:.1e} J",
             audit.from_s, audit.to_s, audit.load_j, audit.remainder_j
@@ -132,7 +132,7 @@ fn hard_energy_closes_over_load_changes() {
     }
 }
 
-/// Ramps of the speed: the account closes, and the driver pays for the load's share and for the kinetic energy of rigid parts.
+/// Over ramps of the speed the account closes, and the driver supplies the load's work and the kinetic energy of rigid parts.
 #[test]
 fn hard_energy_closes_over_changes_of_the_speed() {
     let ramps = "[{ time_s = 0.002, input_speed_rad_s = 92.34, ramp_s = 0.03 }, \
@@ -146,25 +146,25 @@ fn hard_energy_closes_over_changes_of_the_speed() {
         ("solver.step_s", "1e-6"),
         ("solver.duration_s", "0.04"),
     ];
-    let found = run(&settings);
+    let run = run(&settings);
     let scene = scene(&settings);
-    let audit = found.energy.audit(0.002, 0.032).unwrap();
-    let whole = found.energy.total().unwrap();
-    println!("{audit:?} {whole:?}");
-    assert!(audit.remainder_j.abs() < 1e-7 && whole.remainder_j.abs() < 1e-7);
+    let audit = run.energy.audit(0.002, 0.032).unwrap();
+    let total = run.energy.total().unwrap();
+    println!("{audit:?} {total:?}");
+    assert!(audit.remainder_j.abs() < 1e-7 && total.remainder_j.abs() < 1e-7);
     let (gear, mass) = (&scene.gear, &scene.mass);
     let on_output = scene.output_inertia_kg_m2() + gear.wheels as f64 * mass.wheel.moment_kg_m2;
     let inertia = mass.input_shaft.moment_kg_m2
         + gear.wheels as f64 * mass.wheel.mass_kg * gear.eccentricity_m.powi(2)
         + on_output / 225.0;
-    // Of rigid parts; the rest vibrates.
+    // Kinetic energy of rigid parts, without vibration.
     let kinetic = 0.5 * inertia * (92.34_f64.powi(2) - 52.34_f64.powi(2));
     assert!((audit.kinetic_j / kinetic - 1.0).abs() < 1e-2, "{kinetic}");
     let load = -22.0 / 15.0 * 0.5 * (92.34 + 52.34) * 0.03;
     assert!((audit.load_j / load - 1.0).abs() < 1e-3, "{load}");
 }
 
-/// The run does not depend on where samples fall, and a sample on a break is one sample.
+/// The run does not depend on the sample times, and a sample at a load change occurs once.
 #[test]
 fn samples_do_not_move_the_run() {
     let at = |sample: &str| run(&[("solver.sample_s", sample)]);

@@ -16,7 +16,7 @@ const LOSSES: [&str; 3] = [
 
 /// The gear on needles with this share of its losses, over a turn of its input.
 fn gearbox(share: f64) -> Gearbox {
-    let of = |key: &str, whole: f64| format!("bearings.{key}={}", share * whole);
+    let of = |key: &str, full: f64| format!("bearings.{key}={}", share * full);
     let sets = [
         of("eccentric.friction_coefficient", 0.002),
         of("sleeve_friction_coefficient", 0.05),
@@ -29,7 +29,7 @@ fn gearbox(share: f64) -> Gearbox {
     Gearbox::new(&scene.into_scene().check().unwrap()).unwrap()
 }
 
-/// The accounts of a run: the whole, and its second half.
+/// Returns the accounts of a run and of its second half.
 fn accounts(gearbox: &Gearbox) -> Vec<EnergyAudit> {
     let run = single::run(gearbox, &Native::REDUCED, false, &Control::quiet()).unwrap();
     run.run.stats.energy
@@ -59,9 +59,9 @@ fn the_lines_of_the_account_are_those_of_design() {
         }
         let late = accounts.last().unwrap();
         assert!(late.contact_friction_j.is_none(), "{late:?}");
-        let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let result = design::run(&gearbox, false, &Control::quiet()).unwrap();
         for (key, lost_j) in LOSSES.into_iter().zip(&lines(late)[1..]) {
-            let designed = found.figures.iter().find(|figure| figure.def.key == key);
+            let designed = result.figures.iter().find(|figure| figure.def.key == key);
             let designed = designed.and_then(|figure| figure.value).unwrap();
             let more = 100.0 * lost_j.unwrap() / -late.load_j / designed - 1.0;
             let wanted = match key {
@@ -142,8 +142,8 @@ fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
 fn no_efficiency_of_slow_motion_where_all_pins_roll() {
     let gearbox = Gearbox::new(&Scene::load("paper-friction", &[]).unwrap()).unwrap();
     assert!(Statics::rubbing(&gearbox).unwrap().is_none());
-    let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
-    let slow = found
+    let result = design::run(&gearbox, false, &Control::quiet()).unwrap();
+    let slow = result
         .figures
         .iter()
         .find(|figure| figure.is(&EFFICIENCY_SLOW));

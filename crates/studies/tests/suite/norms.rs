@@ -30,16 +30,16 @@ fn norms_by_hand() {
         torque_n_m: 1e-3,
     };
     let errors = |a: &TimeSeries, b: &TimeSeries, span: &Span| errors(a, b, span, least);
-    let near = |found: [f64; 2], by_hand: [f64; 2]| {
-        let off = found.iter().zip(by_hand).map(|(a, b)| (a - b).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
+    let near = |actual: [f64; 2], by_hand: [f64; 2]| {
+        let off = actual.iter().zip(by_hand).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-15, "{actual:?}");
     };
-    let whole = errors(&a, &b, &span(0.0, 2.0));
-    near([whole.force_l2, whole.force_max], [0.2, 0.25]);
-    assert_eq!((whole.torque_l2, whole.torque_max), (0.0, 0.0));
+    let all = errors(&a, &b, &span(0.0, 2.0));
+    near([all.force_l2, all.force_max], [0.2, 0.25]);
+    assert_eq!((all.torque_l2, all.torque_max), (0.0, 0.0));
     let early = errors(&a, &b, &span(0.0, 1.0));
     assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
-    // Of the least force.
+    // Errors relative to the load floor.
     let late = errors(&a, &b, &span(2.0, 2.0));
     near([late.force_l2, late.force_max], [2.0, 2.0]);
 }

@@ -1,12 +1,12 @@
-//! Time left of a comparison, on recorded courses of real ones.
+//! Remaining time of a comparison, replayed from recorded comparisons.
 
 use pinwheel_studies::internals::{Foretold, Outlook, left_s};
 
-/// Engine of a recorded comparison: usual cost, beginning of its first run, and for each run its duration and the cost of later ones
-/// that was expected, in durations of this one; s.
+/// Engine of a recorded comparison: usual cost, s; start of its first run, s; for each run its duration, s, and the expected cost of
+/// later runs in multiples of that duration.
 type Lane = (f64, f64, &'static [(f64, f64)]);
 
-/// `compare paper --fresh` on two busy cores, 116 s: what waits and what is measured last follows the engines.
+/// `compare paper --fresh` on two busy cores, 116 s. Waiting and final measurements come after the engines.
 const PAPER: (&[Lane], f64) = (
     &[
         (9.6, 0.7, &[(17.8, 0.0)]),
@@ -38,7 +38,7 @@ const NEEDLES: (&[Lane], f64) = (
     40.1,
 );
 
-/// State of an engine at a time: runs report from a tenth on.
+/// Returns the state of an engine at a time; runs report after a tenth of their duration.
 fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
     let mut reported_s = None;
     let mut from_s = begun_s;
@@ -57,18 +57,18 @@ fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
     }
 }
 
-/// Costs known before a comparison.
+/// Costs that are known before a comparison.
 #[derive(Clone, Copy, PartialEq)]
 enum Costs {
-    /// Usual ones.
+    /// Usual costs.
     Usual,
-    /// Kept ones of the scene, which are the usual ones of `paper`: from 1.6 to 2.9 times as fast as in its course.
+    /// Stored costs of the scene, equal to the usual ones of `paper`: 1.6 to 2.9 times as fast as in the recording.
     Kept,
-    /// Kept ones of the scene, as in its course.
+    /// Stored costs of the scene, equal to those of the recording.
     Same,
 }
 
-/// Share of the duration from a third on at which time left is shown, and the largest factor by which it is off.
+/// Returns the share of the last two thirds in which a remaining time is shown, and the largest factor by which it is wrong.
 fn replayed((lanes, end_s): (&[Lane], f64), costs: Costs) -> (f64, f64) {
     let (mut foretold, mut shown, mut all, mut worst) = (Foretold::default(), 0.0, 0.0, 1.0_f64);
     for step in 1..400 {
@@ -98,8 +98,8 @@ fn replayed((lanes, end_s): (&[Lane], f64), costs: Costs) -> (f64, f64) {
 
 #[test]
 fn regress_time_left_is_right_within_a_factor_from_a_third_on() {
-    // Of many engines one after the other it is shown 0 of the time on a new scene and 0.59, by at most 1.32, where costs are kept; of
-    // few 0.56, by at most 1.03, and 0.75, by 1.04.
+    // Measured shares and factors. Many engines: 0 on a new scene, 0.59 and 1.32 with stored costs. Few engines: 0.56 and 1.03, 0.75
+    // and 1.04.
     for (of, costs, least) in [
         (PAPER, Costs::Usual, 0.0),
         (PAPER, Costs::Kept, 0.5),
@@ -111,37 +111,37 @@ fn regress_time_left_is_right_within_a_factor_from_a_third_on() {
     }
 }
 
-/// On a machine that gets busier the end moves away by half of the time that passes, as in a comparison of 180 s: half of what is
-/// left would be said, so from two fifths on nothing is.
+/// No remaining time is shown if the estimated end recedes by half of the elapsed time, as on a machine that gets busier: the
+/// estimate would be half of the true value. None is shown from two fifths on.
 #[test]
 fn hard_an_end_that_moves_is_not_foretold() {
     let (mut moving, mut still) = (Foretold::default(), Foretold::default());
     for now_s in (1..170).map(f64::from) {
-        let said = moving.steady(Some(90.0 - 0.5 * now_s), now_s);
-        assert!(now_s < 73.0 || said.is_none(), "{now_s} {said:?}");
-        let said = still.steady(Some(179.0 - now_s), now_s);
-        assert!(now_s < 10.0 || said.is_some(), "{now_s}");
+        let left = moving.steady(Some(90.0 - 0.5 * now_s), now_s);
+        assert!(now_s < 73.0 || left.is_none(), "{now_s} {left:?}");
+        let left = still.steady(Some(179.0 - now_s), now_s);
+        assert!(now_s < 10.0 || left.is_some(), "{now_s}");
     }
-    // What was not there for long cannot have stood still.
+    // A new estimate is not yet steady.
     let mut late = Foretold::default();
     assert_eq!(late.steady(Some(60.0), 60.0), None);
     assert_eq!(late.steady(Some(25.0), 95.0), Some(25.0));
 }
 
-/// Nothing is said of what is not known: before a report, and while most of the work has not begun on a machine of unknown speed.
+/// No estimate is given before a report, nor while most of the work has not begun on a machine of unknown speed.
 #[test]
-fn hard_nothing_is_said_before_it_is_known() {
+fn hard_no_estimate_before_it_is_known() {
     for (lanes, _) in [PAPER, NEEDLES] {
         let now: Vec<Outlook> = lanes.iter().map(|lane| at(lane, 0.5)).collect();
         assert_eq!(left_s(&now, 2, 0.5), None);
     }
-    // An engine that takes longer than it said.
+    // Engine that takes longer than it reported.
     let late = Outlook {
         begun_s: Some(0.0),
         reported_s: Some([5.0, 3.0]),
         ..Outlook::usual(10.0)
     };
     assert!(left_s(&[late], 1, 5.5).is_some_and(|left| (left - 2.5).abs() < 1e-9));
-    // Nor of the last seconds.
+    // No estimate is given for the last seconds.
     assert_eq!(left_s(&[late], 1, 7.0), None);
 }

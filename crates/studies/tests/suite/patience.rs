@@ -1,4 +1,4 @@
-//! Effort that a comparison spends on a foreign engine: its coarsest run first, each setting once, and no run for ever.
+//! Effort that a comparison spends on a foreign engine: coarsest run first, each setting once, limited time.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -13,13 +13,13 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{self, Effort, Input};
 
-/// An engine by our own solver that says what its runs took: so much a step.
+/// Engine by our own solver that reports a fixed cost for each step.
 struct Slow {
     track: SharedModel,
     second_per_step: f64,
-    /// True if every sample really takes that long.
+    /// True if every sample takes that time in reality.
     works: bool,
-    /// Steps asked for, s.
+    /// Requested steps, s.
     steps_s: Mutex<Vec<f64>>,
     /// Samples reported.
     samples: Mutex<usize>,
@@ -37,7 +37,7 @@ impl Slow {
     }
 }
 
-/// Engine that a comparison owns, but borrows here.
+/// Borrowed engine, for comparisons, which own their engines.
 struct Borrowed(&'static Slow);
 
 impl Engine for Borrowed {
@@ -102,23 +102,23 @@ fn compare(gearbox: &Gearbox, slow: &'static Slow, longest: Duration) -> Compari
         .comparison
 }
 
-/// Three runs of 1, 1/2 and 1/4: 1.75 times the finest, and none twice.
+/// Three runs cost 1, 1/2 and 1/4, that is 1.75 times the finest, and none is repeated.
 #[test]
 fn a_study_that_fits_takes_each_run_once() {
     let gearbox = gear();
     let step_s = gearbox.scene.solver.step_s;
     let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, 1e-3)));
-    let found = compare(&gearbox, slow, Duration::from_secs(30));
+    let report = compare(&gearbox, slow, Duration::from_secs(30));
     let steps = slow.steps_s.lock().unwrap().clone();
     let cost: f64 = steps.iter().map(|step| step_s / step).sum();
     assert_eq!(steps.len(), 3, "{steps:?}");
-    // Samples stay on steps: the coarser ones are a little finer than 2 and 4.
+    // Samples are multiples of steps, so the coarser steps are slightly below 2 and 4.
     assert!((1.75..1.9).contains(&cost), "{steps:?}");
     assert!(steps[0] > 3.0 * step_s && steps[1] == step_s, "{steps:?}");
-    assert!(found.engines[0].refinement.as_ref().unwrap().cost.unwrap() < 1.9);
+    assert!(report.engines[0].refinement.as_ref().unwrap().cost.unwrap() < 1.9);
 }
 
-/// Its coarsest run becomes the finest where the others would take longer than there is.
+/// The coarsest run becomes the finest if finer ones would exceed the time limit.
 #[test]
 fn a_study_that_does_not_fit_begins_coarser() {
     let gearbox = gear();
@@ -126,19 +126,19 @@ fn a_study_that_does_not_fit_begins_coarser() {
     // The run at the scene's step would take 100 s.
     let second_per_step = 100.0 * solver.step_s / solver.duration_s;
     let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, second_per_step)));
-    let found = compare(&gearbox, slow, Duration::from_secs(60));
+    let report = compare(&gearbox, slow, Duration::from_secs(60));
     let steps = slow.steps_s.lock().unwrap().clone();
     assert!(
         steps.iter().all(|step| *step > 3.0 * solver.step_s),
         "{steps:?}"
     );
-    assert_eq!(found.engines[0].status, Status::Finished);
-    assert!(found.engines[0].refinement.is_some());
+    assert_eq!(report.engines[0].status, Status::Finished);
+    assert!(report.engines[0].refinement.is_some());
     let asked: f64 = steps.iter().map(|step| 100.0 * solver.step_s / step).sum();
     assert!(asked < 60.0, "{asked} s: {steps:?}");
 }
 
-/// A run whose pace says that it takes hours is given up, and the reason says what would do.
+/// A run whose pace predicts hours is stopped, and the reason names the remedy.
 #[test]
 fn hard_a_run_without_end_is_given_up() {
     let gearbox = gear();
@@ -147,19 +147,19 @@ fn hard_a_run_without_end_is_given_up() {
         ..Slow::new(SharedModel::OwnContact, 0.025)
     };
     let slow: &Slow = Box::leak(Box::new(slow));
-    let found = compare(&gearbox, slow, Duration::from_millis(100));
+    let report = compare(&gearbox, slow, Duration::from_millis(100));
     let all = gearbox.scene.solver.sample_times_s().len();
     let reported = *slow.samples.lock().unwrap();
     assert!(reported < all / 2, "{reported} of {all}");
-    let Status::TimedOut { reason, .. } = &found.engines[0].status else {
-        panic!("{:?}", found.engines[0].status);
+    let Status::TimedOut { reason, .. } = &report.engines[0].status else {
+        panic!("{:?}", report.engines[0].status);
     };
     assert!(reason.contains("--longest"), "{reason}");
-    assert_eq!(found.counts.exit_status(), 0);
+    assert_eq!(report.counts.exit_status(), 0);
 }
 
-/// Friction on a ramp that explicit steps jump over from side to side is not resolved by them, however well two such steps agree; by
-/// steps that follow it it is. One Runge-Kutta is taken at its word either side of the limit, another knows the ramp implicitly.
+/// Explicit steps that jump back and forth over the friction ramp do not resolve it, even if two such runs agree. Tested with a
+/// Runge-Kutta method on either side of the step limit, and with a method that treats the ramp implicitly.
 #[test]
 fn hard_steps_that_chatter_resolve_nothing() {
     let refused = |method: &str, step_s: &str| {
@@ -182,11 +182,11 @@ fn hard_steps_that_chatter_resolve_nothing() {
             obey: true,
             ..Effort::of(&gearbox.scene)
         };
-        let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
-        let told = serde_json::to_string(&found.comparison.engines[0].uncertainty).unwrap();
-        told.contains("do not follow the friction")
+        let outcome = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+        let text = serde_json::to_string(&outcome.comparison.engines[0].uncertainty).unwrap();
+        text.contains("do not follow the friction")
     };
-    // The ramp relaxes at 9.5e5 1/s under the static force, of which the largest may be twice as much.
+    // The relaxation rate of the ramp is 9.5e5 1/s under the static force; the largest force may be twice as large.
     assert!(refused("rk4", "1.25e-6"));
     assert!(!refused("rk4", "1e-6"));
     assert!(!refused("imex2", "1e-5"));

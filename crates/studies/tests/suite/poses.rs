@@ -1,12 +1,12 @@
-//! Poses at which a gear is balanced.
+//! Poses at which equilibria are computed.
 
 use std::f64::consts::TAU;
 
 use pinwheel_scene::Scene;
 use pinwheel_studies::internals::{MOST, MOST_OF_ALL, Poses, resampled, resolves};
 
-/// However many passages there are until parts with errors meet again, poses are bounded; too few for the harmonics of a mesh
-/// they tell none.
+/// The number of poses is bounded for any number of mesh passages until parts with errors meet again. Too few poses give no
+/// harmonics.
 #[test]
 fn regress_poses_are_bounded() {
     let mut scene = Scene::paper();
@@ -21,7 +21,7 @@ fn regress_poses_are_bounded() {
     assert!(!large.has_harmonics());
 }
 
-/// Every pose once, and of a gear of 40 pins and 8 output pins both meshes move by a twentieth at most from one to the next.
+/// A walk visits every pose once. With 40 ring pins and 8 output pins both meshes move by at most a twentieth between poses.
 #[test]
 fn a_walk_meets_every_pose_and_moves_little() {
     let mut scene = Scene::paper();
@@ -42,8 +42,8 @@ fn a_walk_meets_every_pose_and_moves_little() {
     }
 }
 
-/// 49 poses of a period with 39 and 8 passages give every harmonic up to the fourth order, though two a cycle would be 312; in
-/// 55 the ring's first is the alias of the second of the output pins.
+/// For 39 and 8 passages in a period, 49 poses give every harmonic up to the fourth order, where two per cycle would be 312. With 55
+/// poses the ring's first harmonic is an alias of the output pins' second.
 #[test]
 fn few_poses_give_the_harmonics_of_both_meshes() {
     let base = [39, 8];

@@ -1,4 +1,4 @@
-//! The measured drive of the preset `printed-drive` beside ours: figures, and the picture of docs/design.md.
+//! Measured and computed drive of the preset `printed-drive`: figures, and the picture of docs/design.md.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -19,15 +19,15 @@ fn repository(place: &str) -> PathBuf {
         .join(place)
 }
 
-/// Measured values.
+/// Measured values of the drive.
 struct Measured {
     /// Least and largest slope of the branches, N m/rad.
     stiffness: [f64; 2],
-    /// Distance of the branches at no torque, degrees.
+    /// Distance between the branches at zero torque, degrees.
     apart_deg: f64,
     /// Ends of the loop, N m.
     torque: f64,
-    /// Young's moduli that discs may have, Pa.
+    /// Range of the discs' Young's modulus, Pa.
     young: [f64; 2],
 }
 
@@ -54,7 +54,7 @@ impl Measured {
     }
 }
 
-/// Ours, with discs of a modulus and with a spring between carrier and output, N m/rad.
+/// Computes the drive with this modulus of the discs, Pa, and a spring between carrier and output, N m/rad.
 fn ours(young_pa: f64, torsion: Option<f64>) -> DesignResult {
     let mut scene = Scene::load("printed-drive", &[]).unwrap().into_scene();
     scene.contact.young_pa = young_pa;
@@ -63,13 +63,13 @@ fn ours(young_pa: f64, torsion: Option<f64>) -> DesignResult {
     design::run(&gearbox, false, &Control::quiet()).unwrap()
 }
 
-fn figure(found: &DesignResult, def: &FigureDef) -> f64 {
-    let found = found.figures.iter().find(|figure| figure.is(def));
-    found.and_then(|figure| figure.value).unwrap()
+fn figure(result: &DesignResult, def: &FigureDef) -> f64 {
+    let figure = result.figures.iter().find(|figure| figure.is(def));
+    figure.and_then(|figure| figure.value).unwrap()
 }
 
-/// Contacts and clearances as stated make a fiftieth or less of the compliance and about a fifth of the loop; the rest, which they
-/// do not have, is a fit. So this bounds what contacts can explain; it does not validate their law.
+/// The stated contacts and clearances give at most a fiftieth of the compliance and about a fifth of the loop; the remainder is
+/// fitted. The test bounds the part that contacts can explain, and does not validate their law.
 #[test]
 fn published_measured_drive_is_softer_than_its_contacts() {
     let measured = Measured::read();
@@ -80,7 +80,7 @@ fn published_measured_drive_is_softer_than_its_contacts() {
         assert!((40.0..120.0).contains(&times), "{times}");
         let share = figure(&contacts, &LOST_MOTION) / (60.0 * measured.apart_deg);
         assert!((0.1..0.3).contains(&share), "{share}");
-        // The fit of what remains to the middle of the measurements, and that it is one.
+        // Fitting the remainder reproduces the middle of the measurements.
         let stated = measured.middle() / ARCMIN;
         contacts.fit_rest(stated).unwrap();
         let rest = contacts.rest.unwrap();
@@ -98,7 +98,7 @@ fn published_measured_drive_is_softer_than_its_contacts() {
             "{shares:?}"
         );
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-        // Nothing is left to fit to a drive that is stiffer than its contacts.
+        // A drive stiffer than its contacts leaves no remainder to fit.
         assert!(
             contacts
                 .fit_rest(1.01 * figure(&contacts, &STIFFNESS))
@@ -108,10 +108,10 @@ fn published_measured_drive_is_softer_than_its_contacts() {
     }
 }
 
-/// Width and height of the picture, and its plot's corners.
+/// Width and height of the picture, and corners of its plot, pixels.
 const SIZE: [f64; 2] = [720.0, 420.0];
 const PLOT: [f64; 4] = [64.0, 20.0, 700.0, 366.0];
-/// Ends of its axes, degrees and N m.
+/// Ends of the plot's axes, degrees and N m.
 const ENDS: [f64; 2] = [7.0, 28.0];
 
 fn at(twist_deg: f64, torque: f64) -> String {
@@ -126,9 +126,9 @@ fn path(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     points.collect::<Vec<_>>().join(" ")
 }
 
-/// The twist over the torque, degrees and N m.
-fn course(found: &DesignResult, most: f64) -> String {
-    let torsion = &found.torsion;
+/// Returns the path of twist, degrees, over torque, N m.
+fn course(result: &DesignResult, most: f64) -> String {
+    let torsion = &result.torsion;
     let all = torsion.torque_n_m.iter().zip(&torsion.twist_arcmin);
     let mut all: Vec<(f64, f64)> = all.map(|(torque, twist)| (twist / 60.0, *torque)).collect();
     all.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -155,7 +155,7 @@ fn picture(measured: &Measured) -> String {
             .red { fill: #b3261e } .green { fill: #1a7f5a } .blue { fill: #33567d } \
             @media (prefers-color-scheme: dark) { text { fill: #eaeaea } .quiet { fill: #b5b5b5 } .axis { stroke: #b5b5b5 } .band { fill: #35506e } \
             .own { stroke: #ff7b72 } .fit { stroke: #4cc38a } .red { fill: #ff7b72 } .green { fill: #4cc38a } .blue { fill: #a9c7ea } }</style>\n";
-    // Branches as bands: between the slopes, each half of the gap away from the middle.
+    // Branches are bands between the slopes, each shifted by half of the gap.
     for side in [-1.0, 1.0] {
         let shift = 0.5 * side * measured.apart_deg;
         let ends = |k: f64, torque: f64| (shift + (torque / k).to_degrees(), torque);
@@ -223,7 +223,7 @@ fn picture(measured: &Measured) -> String {
            <text transform=\"translate(16 193) rotate(-90)\" text-anchor=\"middle\">torque (N m)</text>\n</svg>\n"
 }
 
-/// The picture of the documentation is what the program computes; `PINWHEEL_DRAW=1` draws it anew.
+/// The documentation's picture equals the computed one; `PINWHEEL_DRAW=1` redraws it.
 #[test]
 fn published_measured_loop_is_the_picture_of_the_documentation() {
     let place = repository("docs/printed-drive.svg");
@@ -232,7 +232,7 @@ fn published_measured_loop_is_the_picture_of_the_documentation() {
         std::fs::write(&place, &drawn).unwrap();
     }
     let kept = std::fs::read_to_string(&place).unwrap();
-    // A tenth of a pixel is below rounding that differs from machine to machine, but for a last digit.
+    // Coordinates have a digit of a tenth of a pixel, which rounding on another machine may change.
     let numbers = |svg: &str| -> Vec<f64> {
         let words = svg.split(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
         words.filter_map(|word| word.parse().ok()).collect()

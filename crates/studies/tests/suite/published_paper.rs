@@ -1,4 +1,4 @@
-//! The study of the paper: what the paper says of figures and in words, found in ours, with the numbers known from independent
+//! The study of the paper: what the paper says of figures and in words, reproduced by ours, with the numbers known from independent
 //! programs.
 
 #![allow(clippy::print_stdout, reason = "measured figures")]
@@ -25,24 +25,24 @@ fn computed(names: &[&str]) -> PaperResult {
             .contains(&"10")
             .then(|| peer(None, &control).unwrap().unwrap()),
     };
-    let found = paper::run(&options, &control).unwrap();
-    assert_eq!(found.figures.len(), names.len());
-    for figure in &found.figures {
+    let study = paper::run(&options, &control).unwrap();
+    assert_eq!(study.figures.len(), names.len());
+    for figure in &study.figures {
         println!("{} {:?}: {}", figure.id, figure.verdict, figure.found);
         assert!(!figure.found.contains("NaN") && !figure.why.is_empty());
         assert!(figure.plots.iter().all(|plot| !plot.title.is_empty()));
     }
-    found
+    study
 }
 
 /// Verdict and numbers of every claim that the figures judge, as independent programs measured them; and the row that stands in
 /// the documentation. Times are not asserted.
-fn claims(found: &PaperResult, expected: &[&str]) {
-    let ids: Vec<&str> = found.claims.iter().map(|c| c.claim.id.as_str()).collect();
+fn claims(study: &PaperResult, expected: &[&str]) {
+    let ids: Vec<&str> = study.claims.iter().map(|c| c.claim.id.as_str()).collect();
     assert_eq!(ids, expected);
     let documented = include_str!("../../../../docs/physics.md");
-    let rows = found.claims_table();
-    for (judged, row) in found.claims.iter().zip(rows.lines().skip(2)) {
+    let rows = study.claims_table();
+    for (judged, row) in study.claims.iter().zip(rows.lines().skip(2)) {
         println!("{row}");
         let n = &judged.numbers;
         let near = |k: usize, value: f64, off: f64| (n[k] - value).abs() < off;
@@ -90,11 +90,11 @@ fn claims(found: &PaperResult, expected: &[&str]) {
 /// Section 7 of the paper: fluctuations "at the beginning of the contact", 0.24 to 0.246 s, and where the curvature
 /// changes fast, 0.265 to 0.28 s. Measured: one of our contacts lasts from 0.2403 to 0.3009 s.
 ///
-/// The closed form of the play is the tangent at d = 0; found 2.2 % above it.
+/// The closed form of the play is the tangent at d = 0; measured 2.2 % above it.
 #[test]
 fn published_figures() {
-    let found = computed(&["5", "7", "11", "12", "13", "17", "18"]);
-    let five = &found.figures[0];
+    let study = computed(&["5", "7", "11", "12", "13", "17", "18"]);
+    let five = &study.figures[0];
     assert!((number(five, "begins") - 0.24).abs() < 1e-3);
     assert!(number(five, "ends") > 0.28);
     // Points make the stiffness oscillate (0.46 and 1.57 % of its range measured), the curve hardly (0.07 %).
@@ -116,7 +116,7 @@ fn published_figures() {
             .all(|c| c.y.len() == five.plots[0].x.len())
     );
     claims(
-        &found,
+        &study,
         &[
             "low-damping",
             "backlash-50",
@@ -126,7 +126,7 @@ fn published_figures() {
             "contact-onset",
         ],
     );
-    let eleven = found.figures.iter().find(|figure| figure.id == "fig-11");
+    let eleven = study.figures.iter().find(|figure| figure.id == "fig-11");
     let play = number(eleven.unwrap(), "free_play_found_mrad")
         / number(eleven.unwrap(), "free_play_closed_form_mrad");
     assert!((1.0..1.03).contains(&play), "{play}");
@@ -136,10 +136,10 @@ fn published_figures() {
 #[test]
 #[ignore = "weekly: 25 s for five figures"]
 fn published_dear_figures() {
-    let found = computed(&["9", "10", "damping", "14", "16"]);
-    assert!(found.costs.len() == 4 && found.runs > 3);
+    let study = computed(&["9", "10", "damping", "14", "16"]);
+    assert!(study.costs.len() == 4 && study.runs > 3);
     claims(
-        &found,
+        &study,
         &[
             "below-200",
             "damping-above-8",

@@ -24,19 +24,19 @@ fn the_lead_is_over_the_fastest_peer() {
         entry("fast", SharedModel::SharedLaw, CostAt::Interpolated(25.0)),
         entry("other law", own, CostAt::MoreThan(1.0)),
     ];
-    let found = advantage(&entries).unwrap();
-    assert_eq!((&*found.native, &*found.peer), ("b", "fast"));
-    assert!((found.ratio - 100.0).abs() < 1e-12 && !found.at_least);
+    let lead = advantage(&entries).unwrap();
+    assert_eq!((&*lead.native, &*lead.peer), ("b", "fast"));
+    assert!((lead.ratio - 100.0).abs() < 1e-12 && !lead.at_least);
 
-    // A peer that was cut off before may be the fastest: then the ratio is a bound.
+    // A peer stopped by the time limit may be the fastest: then the ratio is a bound.
     entries.push(entry(
         "cut off",
         SharedModel::SharedLaw,
         CostAt::MoreThan(5.0),
     ));
-    let found = advantage(&entries).unwrap();
-    assert_eq!(found.peer, "cut off");
-    assert!((found.ratio - 20.0).abs() < 1e-12 && found.at_least);
+    let lead = advantage(&entries).unwrap();
+    assert_eq!(lead.peer, "cut off");
+    assert!((lead.ratio - 20.0).abs() < 1e-12 && lead.at_least);
 
     entries.push(entry("own", own, CostAt::Interpolated(2.5)));
     assert_eq!(advantage(&entries).unwrap().peer, "own");

@@ -1,4 +1,4 @@
-//! Records of many writers, all of one native run: each is read as what it is, and held against its limit.
+//! One native run as written by many programs: each file is read correctly and judged by its limit.
 
 use pinwheel_compare::{Against, Verdict};
 use pinwheel_engines::{Engine, by_name};
@@ -8,7 +8,7 @@ use pinwheel_studies::comparison::{self, Input, Outcome, foreign};
 use pinwheel_studies::{Control, StudyError};
 use pinwheel_timeseries::TimeSeries;
 
-/// Above what interpolation of 8 samples to a vibration costs (measured: 1.3 %, of the record that aligns between samples).
+/// Limit above the interpolation error at 8 samples per vibration (measured: 1.3 %, for the record aligned between samples).
 const LIMIT: f64 = 0.03;
 
 fn gearbox(duration_s: &str, sample_s: &str) -> Gearbox {
@@ -25,14 +25,14 @@ fn engine(gearbox: &Gearbox) -> Box<dyn Engine> {
     by_name("native-reduced", &gearbox.scene).unwrap()
 }
 
-/// Name, what its map says, the quantity its limit is on, and its file.
+/// Name of a record, its map, the quantity of its limit, and its file.
 type Record = (&'static str, &'static str, &'static str, Vec<u8>);
 
 const TORQUE: &str = "input_torque_n_m";
 const ANGLE: &str = "output_angle_rad";
 const FORCE: &str = "external_sleeve_force_n";
 
-/// Samples each 5 us, of which number 20 k is the run's k; torques and angles are `gain` times too large.
+/// Returns records from samples every 5 us, of which number 20 k is the run's k; torques and angles are `gain` times too large.
 #[allow(clippy::too_many_lines, reason = "a table")]
 fn records(fine: &TimeSeries, gain: f64) -> Vec<Record> {
     let column = |name: &str| {
@@ -70,7 +70,7 @@ fn records(fine: &TimeSeries, gain: f64) -> Vec<Record> {
             .flat_map(bytes)
             .collect()
     };
-    // Steps as solvers choose them: long, bursts of short ones, growing.
+    // Adaptive steps: long, bursts of short ones, growing.
     let burst = (0..fine.len()).filter(|k| k % 20 == 0 || (2000..2400).contains(k));
     let mut growing: Vec<usize> = vec![0];
     while let Some(&last) = growing.last().filter(|last| **last < 4000) {
@@ -303,7 +303,7 @@ fn records(fine: &TimeSeries, gain: f64) -> Vec<Record> {
     ]
 }
 
-/// Each record with a limit on its quantity, beside these engines.
+/// Compares each record, with a limit on its quantity, with these engines.
 fn compare(
     gearbox: &Gearbox,
     records: &[Record],
@@ -347,11 +347,11 @@ fn regress_right_records_are_shown_and_wrong_ones_differ() {
             let mut pair = pairs.filter(|p| p.a == "native-reduced" && p.b == *name);
             let mut entries = pair.next().unwrap().entries.iter();
             let entry = entries.find(|e| e.quantity == *quantity).unwrap();
-            let found = &entry.result;
+            let result = &entry.result;
             assert_eq!(
-                (found.verdict, found.against),
+                (result.verdict, result.against),
                 (wanted, Against::Limit),
-                "{name}: {found:?}"
+                "{name}: {result:?}"
             );
             let of_name = outcome
                 .participants
@@ -364,7 +364,7 @@ fn regress_right_records_are_shown_and_wrong_ones_differ() {
                 "{name}: {notes}"
             );
         }
-        // Like is held against like: of a part of the run what differs most is that part.
+        // A record of a part of the run is compared with that part only.
         let most = outcome.largest().unwrap().share();
         assert!(
             (gain - 1.0 - LIMIT..gain - 1.0 + LIMIT).contains(&most),
@@ -373,7 +373,7 @@ fn regress_right_records_are_shown_and_wrong_ones_differ() {
     }
 }
 
-/// A limit that can never be judged is no input: no engine has to run to say so.
+/// Limits that can never be judged are refused before any engine runs.
 #[test]
 fn bad_input_limits_that_are_never_judged_are_refused() {
     let gearbox = gearbox("0.06", "1e-4");

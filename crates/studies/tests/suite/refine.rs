@@ -5,8 +5,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::preset;
 use pinwheel_studies::internals::Refiner;
 
-/// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
-/// three that agree to rounding.
+/// No level exceeds the sample spacing, because engines end a step at every sample. Longer steps once gave three identical runs,
+/// which passed for agreement to rounding.
 #[test]
 fn regress_no_level_is_longer_than_the_samples_are_apart() {
     let scene = preset("paper").expect("a preset");
@@ -21,10 +21,10 @@ fn regress_no_level_is_longer_than_the_samples_are_apart() {
         (2.5e-5, &[5e-5, 1e-4]),
         (1e-5, &[2e-5, 1e-4 / 3.0]),
     ] {
-        let found = engines.coarser(step);
-        assert_eq!(found.len(), longer.len(), "{step}: {found:?}");
+        let levels = engines.coarser(step);
+        assert_eq!(levels.len(), longer.len(), "{step}: {levels:?}");
         let near = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
-        assert!(found.iter().zip(longer).all(near), "{step}: {found:?}");
+        assert!(levels.iter().zip(longer).all(near), "{step}: {levels:?}");
     }
     engines.value = 1e-4;
     engines.leave_room();

@@ -51,13 +51,13 @@ fn check(baseline: &Baseline, only: &[&str], stages: bool) -> Check {
 #[test]
 fn regress_accepted_results() {
     let baseline = accepted();
-    let found = check(&baseline, &[], true);
+    let check = check(&baseline, &[], true);
     assert!(
-        found.verdict < Verdict::New,
+        check.verdict < Verdict::New,
         "{}: worse than accepted, or not in it; see `pinwheel baseline check`, and if it is meant, `pinwheel baseline record --accept REASON`",
-        finding(&found)
+        finding(&check)
     );
-    assert!(found.cases.iter().all(|case| case.bits != 0));
+    assert!(check.cases.iter().all(|case| case.bits != 0));
     let scenes = baseline::scenes().iter().map(|case| case.name.clone());
     let by_four = Options {
         threads: 4,
@@ -65,15 +65,15 @@ fn regress_accepted_results() {
         ..Options::default()
     };
     let again = checked(&baseline, &by_four).cases;
-    assert!(again.len() * 4 > found.cases.len());
+    assert!(again.len() * 4 > check.cases.len());
     for case in &again {
-        assert!(found.cases.contains(case), "{case:?}");
+        assert!(check.cases.contains(case), "{case:?}");
     }
 }
 
 /// The file is small enough for a review, and every scene is in it.
 #[test]
-fn regress_baseline_is_small_and_whole() {
+fn regress_baseline_is_small_and_complete() {
     let file = folder().join("accepted").join(baseline::FILE);
     let bytes = file.metadata().unwrap().len();
     // 54 scenes, 116 cases of seven quantities.
@@ -171,8 +171,8 @@ fn hunted(fault: Fault) -> &'static [&'static str] {
 }
 
 /// The finding that speaks loudest: what the run says of itself, else the quantity farthest beyond its limit, else a cost.
-fn finding(found: &Check) -> String {
-    let worse: Vec<&CaseCheck> = found
+fn finding(check: &Check) -> String {
+    let worse: Vec<&CaseCheck> = check
         .cases
         .iter()
         .filter(|case| case.verdict == Verdict::Worse)
@@ -214,7 +214,7 @@ fn finding(found: &Check) -> String {
     format!(
         "{} of {} cases worse | {what}",
         worse.len(),
-        found.cases.len()
+        check.cases.len()
     )
 }
 
@@ -247,12 +247,12 @@ fn hunt(located: &[Fault]) {
     assert!(sound.verdict < Verdict::Worse, "no fault is armed");
     for fault in Fault::ALL {
         let scenes = hunted(fault);
-        let found = {
+        let check = {
             let _armed = Armed::with(fault);
             check(&baseline, scenes, located.contains(&fault))
         };
-        println!("| {fault:?} | {} |", finding(&found));
-        let stages: Vec<&str> = found
+        println!("| {fault:?} | {} |", finding(&check));
+        let stages: Vec<&str> = check
             .cases
             .iter()
             .filter_map(|c| c.stage.as_deref())
@@ -272,11 +272,11 @@ fn hunt(located: &[Fault]) {
         if located.contains(&fault) && !named.is_empty() && !is_named {
             missed.push(fault);
         }
-        if found.verdict != Verdict::Worse {
+        if check.verdict != Verdict::Worse {
             missed.push(fault);
         }
     }
-    assert!(missed.is_empty(), "not found: {missed:?}");
+    assert!(missed.is_empty(), "missed: {missed:?}");
 }
 
 /// A solver that cannot run ends a recording before its long converged runs.

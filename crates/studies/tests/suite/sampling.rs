@@ -35,7 +35,7 @@ struct Known {
 }
 
 /// A run that says how far its figures may be off.
-struct Seen {
+struct Stated {
     outcome: Outcome,
     /// Units of the gear of which this is the image.
     units: Units,
@@ -49,7 +49,7 @@ const SI: Units = Units {
     force: 1.0,
 };
 
-impl Seen {
+impl Stated {
     /// `None` of a run that cannot be made or does not reach its target.
     fn of(scene: Scene, engine: &dyn Engine) -> Option<Self> {
         let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
@@ -122,11 +122,11 @@ fn back(mut known: Known) -> Known {
     known
 }
 
-/// Figures seen, those outside of their uncertainty when they were of samples, and now; and those of the energy account that could
+/// Figures compared, those outside of their uncertainty when they were of samples, and now; and those of the energy account that could
 /// not be held against each other.
 #[derive(Debug, Default, Clone, Copy)]
 struct Share {
-    seen: usize,
+    total: usize,
     then: usize,
     now: usize,
     apart: usize,
@@ -134,7 +134,7 @@ struct Share {
 
 impl Share {
     fn add(&mut self, other: Self) {
-        self.seen += other.seen;
+        self.total += other.total;
         self.then += other.then;
         self.now += other.now;
         self.apart += other.apart;
@@ -142,17 +142,17 @@ impl Share {
 
     /// Over the same window of both: that of a sample of the one with fewer. The energy account's is each run's own; where they
     /// differ its figures are counted as apart.
-    fn count(&mut self, label: &str, [one, other]: [&Seen; 2]) {
+    fn count(&mut self, label: &str, [one, other]: [&Stated; 2]) {
         let outside = |[a, u]: [f64; 2], [b, v]: [f64; 2]| {
             // Solutions of other equations have other roundings.
             (a - b).abs() > u + v + 1e-9 * a.abs().max(b.abs())
         };
         let wanted = one.begins_s().max(other.begins_s());
-        let [at_one, at_other] = [one, other].map(|seen| seen.sample_at(wanted) / seen.units.time);
+        let [at_one, at_other] = [one, other].map(|run| run.sample_at(wanted) / run.units.time);
         let from_s = at_one.max(at_other);
-        let [of_one, of_other] = [one, other].map(|seen| seen.figures(seen.sample_at(from_s)));
-        let energy = |seen: &Seen| {
-            let figures = seen.outcome.results().figures;
+        let [of_one, of_other] = [one, other].map(|run| run.figures(run.sample_at(from_s)));
+        let energy = |run: &Stated| {
+            let figures = run.outcome.results().figures;
             figures
                 .iter()
                 .filter(|figure| figure.value.is_some())
@@ -163,7 +163,7 @@ impl Share {
             let Some(b) = of_other.iter().find(|b| b.name == a.name) else {
                 continue;
             };
-            self.seen += 1;
+            self.total += 1;
             self.then += usize::from(outside(a.then, b.then));
             if outside(a.now, b.now) {
                 self.now += 1;
@@ -183,13 +183,13 @@ fn regress_peaks_do_not_hang_on_samples() {
         let mut sets: Vec<Override> = sets.map(|(k, v)| Override::new(k, v)).collect();
         sets.push(Override::new("solver.sample_s", sample_s));
         let scene = Scene::load("steel", &sets).unwrap().into_scene();
-        Seen::of(scene, &Native::REDUCED).unwrap()
+        Stated::of(scene, &Native::REDUCED).unwrap()
     };
     let (rare, often) = (steel("1e-4"), steel("1e-5"));
     let mut share = Share::default();
     share.count("steel", [&rare, &often]);
     assert!(
-        share.seen >= 7 && share.then > 4 && share.now == 0,
+        share.total >= 7 && share.then > 4 && share.now == 0,
         "{share:?}"
     );
 }
@@ -208,12 +208,12 @@ fn regress_accounts_and_ends_do_not_hang_on_samples() {
         let [own, half, tenth] = [1.0, 2.0, 10.0].map(|parts| {
             let mut scene = scene.clone();
             scene.solver.sample_s /= parts;
-            Seen::of(scene, &Native::REDUCED).unwrap()
+            Stated::of(scene, &Native::REDUCED).unwrap()
         });
         share.count(&format!("{seed}, half"), [&own, &half]);
         share.count(&format!("{seed}, tenth"), [&own, &tenth]);
     }
-    assert!(share.seen > 40 && share.now == 0, "{share:?}");
+    assert!(share.total > 40 && share.now == 0, "{share:?}");
 }
 
 /// Errors of all parts, of the order of what the load presses in.
@@ -223,7 +223,7 @@ fn deviate(scene: &mut Scene) {
 }
 
 /// Figures of random gears are the same when sampled twice and ten times as often, in a mirror with the order of all
-/// parts reversed, turned as a whole with another first disc, in other units, and by the Lagrange form. Every other
+/// parts reversed, turned rigidly with another first disc, in other units, and by the Lagrange form. Every other
 /// gear has errors of its parts.
 #[test]
 fn hard_figures_hang_on_nothing_else() {
@@ -257,14 +257,14 @@ fn hard_figures_hang_on_nothing_else() {
         let sampled = |parts: f64| {
             let mut scene = scene.clone();
             scene.solver.sample_s /= parts;
-            Seen::of(scene, &Native::REDUCED)
+            Stated::of(scene, &Native::REDUCED)
         };
         let Some(own) = sampled(1.0) else {
             continue;
         };
         let in_units = |units: Units| {
-            let seen = Seen::of(units.scene(&scene), &Native::REDUCED)?;
-            Some(Seen { units, ..seen })
+            let run = Stated::of(units.scene(&scene), &Native::REDUCED)?;
+            Some(Stated { units, ..run })
         };
         // Points of a hole start along the disc's x axis, which a mirror and a turn leave behind: their image has other points.
         let is_exact = scene.contact.detection == Detection::Exact;
@@ -272,20 +272,20 @@ fn hard_figures_hang_on_nothing_else() {
         let is_free =
             scene.drive.start == Start::Equilibrium && scene.drive.output_torque_n_m == 0.0;
         let image = |scene: Scene| Some(scene).filter(|_| is_exact && !is_free);
-        let image = |scene: Scene| Seen::of(image(scene)?, &Native::REDUCED);
+        let image = |scene: Scene| Stated::of(image(scene)?, &Native::REDUCED);
         let in_mirror = image(images::mirrored(&scene));
         let turned = images::turned(&scene);
         let others = [
             sampled(2.0),
             sampled(10.0),
-            in_mirror.map(|seen| Seen {
+            in_mirror.map(|run| Stated {
                 in_mirror: true,
-                ..seen
+                ..run
             }),
             turned.and_then(image),
             in_units(force),
             in_units(all),
-            Seen::of(scene.clone(), &Native::LAGRANGE),
+            Stated::of(scene.clone(), &Native::LAGRANGE),
         ];
         let kind = match (scene.cranks, scene.bearings.eccentric) {
             (Some(_), _) => 2,
@@ -295,32 +295,32 @@ fn hard_figures_hang_on_nothing_else() {
         for ((share, label), other) in shares.iter_mut().zip(labels).zip(&others) {
             if let Some(other) = other {
                 let label = format!("{seed}, {label}, {}", scene.contact.law);
-                let mut found = Share::default();
-                found.count(&label, [&own, other]);
-                share.add(found);
-                of_kinds[kind].add(found);
+                let mut one = Share::default();
+                one.count(&label, [&own, other]);
+                share.add(one);
+                of_kinds[kind].add(one);
             }
         }
     }
     let mut all = Share::default();
-    let told = |label: &str, share: Share| {
+    let print = |label: &str, share: Share| {
         println!(
             "{label}: of {} figures {} outside, {} when they were of samples; {} of other windows",
-            share.seen, share.now, share.then, share.apart
+            share.total, share.now, share.then, share.apart
         );
     };
     for (label, share) in labels.iter().zip(shares) {
-        told(label, share);
+        print(label, share);
         all.add(share);
     }
     for (label, share) in kinds.iter().zip(of_kinds) {
-        told(label, share);
+        print(label, share);
     }
     println!("all: {all:?}");
-    assert!(all.seen > 200 * gears as usize / GEARS as usize);
+    assert!(all.total > 200 * gears as usize / GEARS as usize);
     // Measured over 200 gears: 38 of 9 259 outside, 1 858 when figures were of samples; 65 of accounts over other windows.
     assert!(
-        all.now * 100 <= all.seen && all.then > 4 * all.now && all.apart * 50 < all.seen,
+        all.now * 100 <= all.total && all.then > 4 * all.now && all.apart * 50 < all.total,
         "{all:?}"
     );
 }

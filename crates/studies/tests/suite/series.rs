@@ -3,7 +3,7 @@
 use pinwheel_engines::{AccuracySetting, Ending, SharedModel};
 use pinwheel_studies::bench::{Cost, Errors, Options, Point, Series, Stopped};
 
-/// A series of three points, each with its CPU time and error; infinite: it diverged.
+/// Returns a series of three points, each with its CPU time and error; an infinite error means divergence.
 fn series(track: SharedModel, knob: AccuracySetting, points: [(f64, f64); 3]) -> Series {
     let point = |(cpu_min_s, force_l2): (f64, f64)| Point {
         setting: 2.0,

@@ -204,12 +204,12 @@ impl Solver {
                 stepper.interpolate(&mut system, t, &mut y);
             }
             before = t;
-            let seen = system.observe(t, &y, Detail::Everything);
-            let mut driver = seen.driver_torques[0];
+            let state = system.observe(t, &y, Detail::Everything);
+            let mut driver = state.driver_torques[0];
             if let Some(lost) = self.lost {
-                field.touching(seen.bodies, &mut |pair| {
+                field.touching(state.bodies, &mut |pair| {
                     let [fx, fy] = pair.force_on_sleeve();
-                    let disc = &seen.bodies[own.layout.wheel_bodies().start + lost];
+                    let disc = &state.bodies[own.layout.wheel_bodies().start + lost];
                     driver -= if pair.wheel == lost {
                         disc.x * fy - disc.y * fx
                     } else {
@@ -217,9 +217,9 @@ impl Solver {
                     };
                 });
             }
-            recorder.record_observed(&seen, [driver, own.load_torque(t)]);
+            recorder.record_observed(&state, [driver, own.load_torque(t)]);
             recorder.record_channels(&mut EngineState {
-                bodies: seen.bodies,
+                bodies: state.bodies,
                 driver_torque_n_m: driver,
                 reactions: None,
                 contacts: &mut LawPairs(&mut field),
@@ -307,17 +307,17 @@ fn within(
 ) -> Option<Located> {
     let gearbox = Gearbox::new(scene).unwrap();
     let begun = std::time::Instant::now();
-    let found = of_engine(engine, &gearbox, until_s, evaluations, &Control::quiet()).unwrap()?;
+    let report = of_engine(engine, &gearbox, until_s, evaluations, &Control::quiet()).unwrap()?;
     let took = begun.elapsed().as_secs_f64();
     println!(
         "{} {}: {} ({took:.2} s, {} of {} evaluations)",
         scene.name,
         engine.name(),
-        found.sentence(),
-        found.evaluations[0],
-        found.evaluations[1]
+        report.sentence(),
+        report.evaluations[0],
+        report.evaluations[1]
     );
-    for judged in &found.stages {
+    for judged in &report.stages {
         println!(
             "    {:15} {:?} bound {:.1e} {}",
             judged.stage.name(),
@@ -326,7 +326,7 @@ fn within(
             judged.note
         );
     }
-    Some(found)
+    Some(report)
 }
 
 /// A fault: what it is, the stage that is to be named, and the parts of its cause: the word, the size and within how much.
@@ -341,26 +341,26 @@ type Row = (
 fn holds(rows: Vec<Row>, scene: &CheckedScene) {
     let mut table = vec!["| fault | stage | cause |".to_owned()];
     for (name, solver, stage, parts) in rows {
-        let found = located(&solver, scene, 0.0).unwrap();
+        let report = located(&solver, scene, 0.0).unwrap();
         let who = solver.name().to_owned();
         table.push(format!(
             "| {name} in {who} | {:?} | {} |",
-            found.first(),
-            found.words()
+            report.first(),
+            report.words()
         ));
-        assert_eq!(found.first(), Some(stage), "{name}: {}", found.sentence());
+        assert_eq!(report.first(), Some(stage), "{name}: {}", report.sentence());
         // Each stage that is off is drawn, over time unless it is the start.
-        for off in found.stages.iter().filter(|judged| judged.is_off()) {
+        for off in report.stages.iter().filter(|judged| judged.is_off()) {
             let over = match off.stage {
                 Stage::Start => Over::Coordinates,
                 _ => Over::Time,
             };
-            let mut drawn = found.pictures.iter();
+            let mut drawn = report.pictures.iter();
             let is_of = |picture: &Picture| picture.stage == off.stage && picture.over == over;
             assert!(drawn.any(is_of), "{name}: {:?}", off.stage);
         }
-        let cause = found.cause.as_ref().map_or(&[][..], |cause| &cause.parts);
-        assert_eq!(cause.len(), parts.len(), "{name}: {}", found.sentence());
+        let cause = report.cause.as_ref().map_or(&[][..], |cause| &cause.parts);
+        assert_eq!(cause.len(), parts.len(), "{name}: {}", report.sentence());
         for (part, (word, size, within)) in cause.iter().zip(parts) {
             assert_eq!(part.word, *word, "{name}");
             assert!((part.size - size).abs() <= *within, "{name}: {}", part.size);
@@ -634,11 +634,11 @@ fn names_all_that_fit() {
             "equations or assembly, likely inertia or lever: inertia of the discs times 1.05",
         ),
     ] {
-        let said = located(&solver, &scene("paper", sets), 0.0)
+        let text = located(&solver, &scene("paper", sets), 0.0)
             .unwrap()
             .words();
-        assert!(said.contains(words), "{said}");
-        assert!(said.ends_with("does not tell them apart"), "{said}");
+        assert!(text.contains(words), "{text}");
+        assert!(text.ends_with("does not tell them apart"), "{text}");
     }
 }
 
@@ -661,12 +661,12 @@ fn names_friction_that_is_not_solved() {
         (0.5, Some(Stage::Equations), "pins keep their rates"),
     ] {
         let solver = with(|s| (s.tolerance, s.method) = (tolerance, ("rk2", 2.0)));
-        let found = located(&solver, &wide, 0.0).unwrap();
-        let said = found.sentence();
-        assert_eq!(found.first(), stage, "{tolerance}: {said}");
-        assert!(said.contains(pattern) && found.cause.is_none(), "{said}");
+        let report = located(&solver, &wide, 0.0).unwrap();
+        let text = report.sentence();
+        assert_eq!(report.first(), stage, "{tolerance}: {text}");
+        assert!(text.contains(pattern) && report.cause.is_none(), "{text}");
         // No cause was sought.
-        assert!(!said.contains("no known fault"), "{said}");
+        assert!(!text.contains("no known fault"), "{text}");
     }
 }
 
@@ -785,17 +785,17 @@ fn names_faults_in_an_engine() {
 fn names_a_step_over_a_jump() {
     let scene = scene("hard-load-doubled", &["solver.step_s=2.3e-5"]);
     let solver = with(|s| s.fault = Some(Fault::PassedBreak));
-    let found = located(&solver, &scene, 0.01).unwrap();
+    let report = located(&solver, &scene, 0.01).unwrap();
     assert_eq!(
-        found.first(),
+        report.first(),
         Some(Stage::Integration),
         "{}",
-        found.sentence()
+        report.sentence()
     );
     assert!(
-        found.sentence().contains("alone from t ="),
+        report.sentence().contains("alone from t ="),
         "{}",
-        found.sentence()
+        report.sentence()
     );
     assert!(located(&RIGHT, &scene, 0.01).unwrap().first().is_none());
 }
@@ -824,7 +824,7 @@ fn accuses_nobody() {
         let scene = scene(preset, sets);
         for longer in [1.0, 2.0] {
             for method in [("rk4", 4.0), ("rk2", 2.0)] {
-                let found = located(
+                let report = located(
                     &Solver {
                         longer,
                         method,
@@ -835,10 +835,10 @@ fn accuses_nobody() {
                 )
                 .unwrap();
                 assert_eq!(
-                    found.first(),
+                    report.first(),
                     None,
                     "{preset} by {longer}: {}",
-                    found.sentence()
+                    report.sentence()
                 );
             }
         }
@@ -862,23 +862,23 @@ fn judges_random_gears() {
             continue;
         }
         let Ok(scene) = scene.check() else { continue };
-        let Some(found) = located(&RIGHT, &scene, 0.0) else {
+        let Some(report) = located(&RIGHT, &scene, 0.0) else {
             continue;
         };
-        assert_eq!(found.first(), None, "{number}: {}", found.sentence());
-        let found = located(&wrong, &scene, 0.0).unwrap();
+        assert_eq!(report.first(), None, "{number}: {}", report.sentence());
+        let report = located(&wrong, &scene, 0.0).unwrap();
         // Some laws have a stiffness of their own.
-        judged += usize::from(found.first().is_some());
+        judged += usize::from(report.first().is_some());
         named += usize::from(
-            found
+            report
                 .cause
                 .as_ref()
                 .is_some_and(|cause| cause.parts[0].word == "stiffness"),
         );
         assert!(
-            found.first() <= Some(Stage::Law),
+            report.first() <= Some(Stage::Law),
             "{number}: {}",
-            found.sentence()
+            report.sentence()
         );
     }
     assert!(named >= 6 && named + 1 >= judged, "{named} of {judged}");
@@ -911,22 +911,22 @@ fn accuse_none(pairs: impl Fn(usize, usize) -> bool) -> usize {
         let scene = scene(preset, &[]);
         for (k, name) in ENGINES.into_iter().enumerate() {
             let engine = by_name(name, &scene).filter(|_| pairs(i, k));
-            let found = engine.and_then(|engine| located(engine.as_ref(), &scene, 0.0));
-            let Some(found) = found else { continue };
-            let told = found
+            let report = engine.and_then(|engine| located(engine.as_ref(), &scene, 0.0));
+            let Some(report) = report else { continue };
+            let count = report
                 .stages
                 .iter()
                 .filter(|judged| judged.residual.is_some())
                 .count();
             println!(
-                "| {preset} | {name} | {told} stages | {} |",
-                found.sentence()
+                "| {preset} | {name} | {count} stages | {} |",
+                report.sentence()
             );
             assert_eq!(
-                found.first(),
+                report.first(),
                 None,
                 "{name}, {preset}: {}",
-                found.sentence()
+                report.sentence()
             );
             judged += 1;
         }
@@ -962,7 +962,7 @@ fn cpu_s() -> f64 {
 
 /// Locating takes no more evaluations of forces than the run that it judges or the stated numbers, with faults and without.
 #[test]
-#[ignore = "weekly: whole runs"]
+#[ignore = "weekly: complete runs"]
 fn locating_costs_no_more_than_a_run() {
     let faults = [
         ("right", with(|_| {})),
@@ -1016,11 +1016,11 @@ fn locating_costs_no_more_than_a_run() {
                 continue;
             }
             let of_run = cpu_s() - begun;
-            let Some(found) = within(engine, &scene, 0.0, Some(run.stats.rhs_calls)) else {
+            let Some(report) = within(engine, &scene, 0.0, Some(run.stats.rhs_calls)) else {
                 continue;
             };
             let took = cpu_s() - begun - of_run;
-            let [evaluations, _] = found.evaluations;
+            let [evaluations, _] = report.evaluations;
             let share = evaluations as f64 / run.stats.rhs_calls as f64;
             println!(
                 "| {preset} | {name} | {} of {} evaluations: {share:.2} | {took:.2} of {of_run:.2} s: {:.2} |",
@@ -1051,7 +1051,7 @@ fn asks_for_columns() {
     let all = "wheel_angle_rad_*, output_rate_rad_s, wheel_rate_rad_s_*";
     let rates = "needs these columns: output_rate_rad_s, wheel_rate_rad_s_*";
     // Forces of all ring pins, those with a gap too.
-    for (asked, gap, told, missing) in [
+    for (asked, gap, count, missing) in [
         (&gearbox, false, 1, all),
         (&angles, false, 2, rates),
         (&angles, true, 2, rates),
@@ -1078,27 +1078,27 @@ fn asks_for_columns() {
             finer: None,
             evaluations: [10_000; 2],
         };
-        let found = locate(asked, runs).unwrap();
-        let is_told = found
+        let report = locate(asked, runs).unwrap();
+        let decided = report
             .stages
             .iter()
             .filter(|judged| judged.residual.is_some());
-        assert_eq!(is_told.count(), told);
+        assert_eq!(decided.count(), count);
         assert!(
-            found
+            report
                 .stages
                 .iter()
                 .any(|judged| judged.note.contains(missing)),
             "{}",
-            found.sentence()
+            report.sentence()
         );
         assert_eq!(
-            found.first(),
+            report.first(),
             gap.then_some(Stage::ContactSearch),
             "{}",
-            found.sentence()
+            report.sentence()
         );
-        assert_eq!(found.pictures.len(), if gap { 3 } else { 0 });
+        assert_eq!(report.pictures.len(), if gap { 3 } else { 0 });
     }
 }
 
@@ -1109,14 +1109,14 @@ fn names_a_fault_by_columns_alone() {
         s.blind = true;
         s.scene = |s| s.drive.output_torque_n_m *= 2.0;
     });
-    let found = located(&solver, &scene("paper", &[]), 0.0).unwrap();
-    let said = found.sentence();
+    let report = located(&solver, &scene("paper", &[]), 0.0).unwrap();
+    let text = report.sentence();
     assert!(
-        said.starts_with("stage equations, likely load: load twice"),
-        "{said}"
+        text.starts_with("stage equations, likely load: load twice"),
+        "{text}"
     );
-    let found = located(&with(|s| s.blind = true), &scene("paper", &[]), 0.0).unwrap();
-    assert_eq!(found.first(), None, "{}", found.sentence());
+    let report = located(&with(|s| s.blind = true), &scene("paper", &[]), 0.0).unwrap();
+    assert_eq!(report.first(), None, "{}", report.sentence());
 }
 
 /// The stage in which a model differs from another at the same states, key by key.
@@ -1135,9 +1135,9 @@ fn names_the_stage_of_a_key() {
         ("solver.step_s=2e-6", None),
     ] {
         for both in [[&own, &of(&[set])], [&of(&[set]), &own]] {
-            let found = between(&Course::of(both[0]).unwrap(), both[1]).unwrap();
-            assert_eq!(found.first(), stage, "{set}: {}", found.sentence());
-            let mut drawn = found.pictures.iter();
+            let report = between(&Course::of(both[0]).unwrap(), both[1]).unwrap();
+            assert_eq!(report.first(), stage, "{set}: {}", report.sentence());
+            let mut drawn = report.pictures.iter();
             let is_drawn = drawn.any(|picture| Some(picture.stage) == stage);
             assert_eq!(is_drawn, stage.is_some(), "{set}");
         }

@@ -22,7 +22,7 @@ fn sentences_and_verdicts() {
     assert_eq!(judged("verdict = 'meaningless'"), ClaimVerdict::Meaningless);
 }
 
-/// A name that is misspelt would make a condition false in silence: see `published_` tests for those of all figures.
+/// All statements are readable. Misspelt names, which make a condition false silently, are detected by the `published_` tests.
 #[test]
 fn the_file_can_be_read() {
     let all = Statements::read().unwrap();

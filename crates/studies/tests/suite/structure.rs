@@ -1,4 +1,4 @@
-//! Structure that gives way in `design`: the budget beside another program's, and temperatures by fit.
+//! Elastic structure in `design`: its stiffness budget against another program's, and temperatures by fit.
 
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ fn table() -> toml::Table {
     std::fs::read_to_string(place).unwrap().parse().unwrap()
 }
 
-/// The drive of the package's budget.
+/// Returns the drive of the other program's budget.
 fn steel_drive(data: &toml::Table) -> Scene {
     let drive = data["printed"].as_array().unwrap().iter();
     let drive = drive.map(|one| one.as_table().unwrap());
@@ -54,26 +54,26 @@ fn steel_drive(data: &toml::Table) -> Scene {
     (contact.young_pa, contact.poisson) = (2.1e11, 0.29);
     (contact.pin_young_pa, contact.pin_poisson) = (Some(2.05e11), Some(0.29));
     scene.bearings.internal_sleeves_held = Some(Held::OneEnd);
-    // Half of the gap between discs, as the same gap stands beside the carrier: middle of the stack at 8.75, not 8.5 mm.
+    // Half of the gap between discs; an equal gap beside the carrier puts the middle of the stack at 8.75, not 8.5 mm.
     scene.bearings.internal_sleeve_gap_m = Some(5e-4);
     let structure = &mut scene.structure;
     structure.output_pin_diameter_m = Some(0.006);
     structure.ring_seat_length_m = Some(0.008);
     (structure.plate_thickness_m, structure.plate_radius_m) = (Some(0.006), Some(0.042));
-    // A bar of 10 mm and 53 mm of this steel.
+    // Bar of this steel, diameter 10 mm, length 53 mm.
     let shear = 2.05e11 / 2.0 / 1.29;
     structure.input_torsion_n_m_rad = Some(shear * PI / 32.0 * 1e-8 / 0.053);
     scene
 }
 
-/// Stiffness from half of the torque to all of it, mean over a few poses, N m/arcmin; without plate, flange and input shaft.
+/// Returns the secant stiffness between half and full torque, mean over a few poses, N m/arcmin, without plate, flange and shaft.
 fn stiffness(scene: &Scene) -> f64 {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
     let load = gearbox.load_torque(0.0);
     let mut of_pose = |phi: f64| {
-        let [half, whole] = [0.5, 1.0].map(|share| statics.solve(phi, share * load).unwrap());
-        0.5 * load / (whole.output - half.output) / ARCMIN
+        let [half, full] = [0.5, 1.0].map(|share| statics.solve(phi, share * load).unwrap());
+        0.5 * load / (full.output - half.output) / ARCMIN
     };
     let poses = 8;
     (0..poses)
@@ -86,9 +86,9 @@ fn in_series(one: f64, other: f64) -> f64 {
     1.0 / (1.0 / one + 1.0 / other)
 }
 
-/// The package's 17.5 N m/arcmin, part by part. Its discs take turns on the pins that one disc loads, so that they count once, and pins
-/// take up the play in their holes before they bend. Counted so and without that play, both budgets end alike: 23.54 and 23.51. In
-/// ours two discs load other pins, those that bend share their load, and the whole is 48.3.
+/// Compares the other program's budget of 17.5 N m/arcmin part by part. It counts each pin for one disc only, and lets pins take up
+/// the play in their holes before they bend. With that count and without the play, both budgets agree: 23.54 and 23.51. In ours two
+/// discs load different pins, bending pins share their load, and the total is 48.3.
 #[test]
 fn published_budget_of_a_steel_drive() {
     let data = table();
@@ -109,7 +109,7 @@ fn published_budget_of_a_steel_drive() {
         ring_seat_length_m: given.ring_seat_length_m,
         ..Structure::default()
     };
-    // One pin as the package has it, loaded in the middle of the stack, for one disc and for two.
+    // Stiffness of a pin in the other program, loaded in the middle of the stack, for one disc and for two.
     let [middle, once] = [5.0078e7, 2.5039e7].map(Some);
     let contacts = with(rigid.clone(), None, true);
     let seated = with(seats.clone(), None, true);
@@ -118,14 +118,14 @@ fn published_budget_of_a_steel_drive() {
     let [tight, bent] = [None, once].map(|pin| with(rigid.clone(), pin, false));
     let alone = |before: f64, after: f64| 1.0 / (1.0 / after - 1.0 / before);
     let behind = 1.0 / all.flange_twist_rad(1.0) / ARCMIN;
-    let [whole, counted_once] = [shared, bent].map(|pins| in_series(pins, behind));
+    let [total, counted_once] = [shared, bent].map(|pins| in_series(pins, behind));
     println!(
-        "contacts {contacts:.1}, {tight:.1}; pins of the middle {:.1}, shared {:.1}; all {whole:.2}, counted once {counted_once:.2}",
+        "contacts {contacts:.1}, {tight:.1}; pins of the middle {:.1}, shared {:.1}; all {total:.2}, counted once {counted_once:.2}",
         alone(seated, apart),
         alone(seated, shared)
     );
-    let near = |found: f64, [table, key]: [&str; 2], low: f64, high: f64| {
-        let share = found / data[table][key].as_float().unwrap();
+    let near = |actual: f64, [table, key]: [&str; 2], low: f64, high: f64| {
+        let share = actual / data[table][key].as_float().unwrap();
         assert!((low..high).contains(&share), "{table} {key}: {share}");
     };
     let [play, none] = ["budget", "budget_without_hole_play"];
@@ -139,12 +139,12 @@ fn published_budget_of_a_steel_drive() {
     near(tight, [none, "contacts"], 0.8, 1.0);
     near(alone(tight, bent), [none, "output_pins"], 0.97, 1.03);
     near(counted_once, [none, "all"], 0.99, 1.01);
-    near(whole, [play, "all"], 2.7, 2.85);
+    near(total, [play, "all"], 2.7, 2.85);
     assert!(shared > apart);
 }
 
-/// The lines of the budget, and those of plate and shaft by their closed forms: to the part by which the mean of stiffnesses over
-/// the mesh is not the inverse of the mean compliance.
+/// Checks the parts of the budget, plate and shaft against closed forms. The tolerance allows for the mean stiffness over the mesh,
+/// which differs from the inverse of the mean compliance.
 #[test]
 fn published_lines_of_the_budget() {
     let mut scene = Scene::load("steel", &[]).unwrap().into_scene();
@@ -154,8 +154,8 @@ fn published_lines_of_the_budget() {
     structure.ring_slot_clearance_m = Some(2e-6);
     (structure.plate_thickness_m, structure.plate_radius_m) = (Some(0.002), Some(0.06));
     structure.input_torsion_n_m_rad = Some(100.0);
-    let found = designed(scene.clone());
-    let parts: Vec<&str> = found.budget.iter().map(|share| share.part).collect();
+    let result = designed(scene.clone());
+    let parts: Vec<&str> = result.budget.iter().map(|share| share.part).collect();
     let wanted = [
         "contacts",
         "slots of ring pins",
@@ -164,8 +164,8 @@ fn published_lines_of_the_budget() {
         "input shaft",
     ];
     assert_eq!(parts, wanted);
-    let soft = |k: usize| 1.0 / found.budget[k].stiffness_n_m_per_arcmin;
-    assert!(found.budget[1].lost_motion_arcmin > 1.1 * found.budget[0].lost_motion_arcmin);
+    let soft = |k: usize| 1.0 / result.budget[k].stiffness_n_m_per_arcmin;
+    assert!(result.budget[1].lost_motion_arcmin > 1.1 * result.budget[0].lost_motion_arcmin);
     assert!(soft(2) > 1.01 * soft(1));
     let wanted = ARCMIN / (100.0 * 225.0);
     assert!(((soft(4) - soft(3)) / wanted - 1.0).abs() < 0.02);
@@ -178,7 +178,7 @@ fn published_lines_of_the_budget() {
     assert!(((soft(3) - soft(2)) / wanted - 1.0).abs() < 0.02);
 }
 
-/// A warm disc in a colder ring, as the figures by fit have it.
+/// Intervals by fit include the temperature of a warm disc in a colder ring.
 #[test]
 fn regress_temperatures_are_taken_by_fit() {
     let mut scene = Scene::load("steel", &[]).unwrap().into_scene();
@@ -192,8 +192,8 @@ fn regress_temperatures_are_taken_by_fit() {
     scene.structure.housing_material = Some("aluminium".into());
     let half = PlusMinus { plus_minus: 10.0 };
     scene.uncertain = [("temperature.disc_k".to_owned(), half)].into();
-    let found = designed(scene);
-    let figure = |def| -> &Figure { found.figures.iter().find(|one| one.is(def)).unwrap() };
+    let result = designed(scene);
+    let figure = |def| -> &Figure { result.figures.iter().find(|one| one.is(def)).unwrap() };
     for def in [&LOST_MOTION, &EXTERNAL_FORCE] {
         let one = figure(def);
         let [low, high] = one.by_fit.unwrap();

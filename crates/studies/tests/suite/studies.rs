@@ -97,9 +97,9 @@ fn an_atlas_goes_on_where_it_stopped() {
     let mut options = Options::quick().of(&scenes).unwrap();
     options.longest_s = 0.002;
     options.methods.truncate(2);
-    let mut whole = Atlas::new(options.clone());
-    whole.go_on(2, &Control::quiet()).unwrap();
-    assert_eq!(whole.done().count(), 3);
+    let mut full = Atlas::new(options.clone());
+    full.go_on(2, &Control::quiet()).unwrap();
+    assert_eq!(full.done().count(), 3);
 
     let stop = AtomicBool::new(false);
     let mut atlas = Atlas::new(options);
@@ -116,13 +116,13 @@ fn an_atlas_goes_on_where_it_stopped() {
     let mut again: Atlas = serde_json::from_str(&text).unwrap();
     assert_eq!(again, atlas);
     again.go_on(1, &Control::quiet()).unwrap();
-    assert_eq!(again, whole);
+    assert_eq!(again, full);
 }
 
 /// Twice the step tells a run that is not resolved (Heun on discs that fall through 1 mm of play: measured
 /// 0.56, and 0.36 off) from one that is (`paper`: 1.5e-2, and 5e-3 off).
 #[test]
-fn hard_unresolved_runs_are_told() {
+fn hard_unresolved_runs_are_detected() {
     let at = |name: &str, sets: &[&str]| {
         let scene = scene(name, sets);
         let gearbox = pinwheel_gearbox::Gearbox::new(&scene.clone().check().unwrap()).unwrap();
@@ -189,13 +189,13 @@ fn studies_stop_when_asked() {
 fn a_rounding_stays_one_on_the_paper() {
     let scene = scene("paper", &["solver.duration_s=0.1"]);
     let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-    let found = divergence::horizon(&gearbox, 0.02, &mut |_| false).unwrap();
-    assert_eq!(found.horizon_s, None, "{}", found.told);
+    let growth = divergence::horizon(&gearbox, 0.02, &mut |_| false).unwrap();
+    assert_eq!(growth.horizon_s, None, "{}", growth.told);
     assert!(
-        found.largest_share > 0.0,
+        growth.largest_share > 0.0,
         "the change must reach the forces"
     );
-    assert!(found.largest_share < 1e-9, "{:e}", found.largest_share);
+    assert!(growth.largest_share < 1e-9, "{:e}", growth.largest_share);
 }
 
 /// Small forces are no reason to look away: nothing is measured by a newton.
@@ -203,9 +203,9 @@ fn a_rounding_stays_one_on_the_paper() {
 fn regress_horizons_do_not_depend_on_the_size() {
     let sets = ["solver.duration_s=0.005", "drive.output_torque_n_m=0.0022"];
     let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
-    let found = divergence::horizon(&gearbox, 0.02, &mut |_| false).unwrap();
-    assert!(!found.told.starts_with("Not measured"), "{}", found.told);
-    assert!(found.largest_share < 1e-9, "{found:?}");
+    let growth = divergence::horizon(&gearbox, 0.02, &mut |_| false).unwrap();
+    assert!(!growth.told.starts_with("Not measured"), "{}", growth.told);
+    assert!(growth.largest_share < 1e-9, "{growth:?}");
 }
 
 /// The joints of the Lagrange form: rounding with projection, 1e-9 m and more without.
@@ -275,7 +275,7 @@ fn published_lost_motion_of_a_modified_profile() {
         .map(|k| free(period * f64::from(k) / 24.0))
         .collect();
     let mean = plays.iter().sum::<f64>() / 24.0;
-    let found = modified.torsion.lost_motion_arcmin.unwrap();
+    let lost = modified.torsion.lost_motion_arcmin.unwrap();
     // What is called lost motion is the largest of it, and says so.
     let figure = &modified.figures[0];
     assert!(figure.is(&LOST_MOTION), "{figure:?}");
@@ -283,26 +283,25 @@ fn published_lost_motion_of_a_modified_profile() {
         figure.def.how.starts_with("largest over the mesh"),
         "{figure:?}"
     );
-    assert_eq!(figure.value, Some(found.max));
+    assert_eq!(figure.value, Some(lost.max));
     let mesh = figure.over_mesh.unwrap();
-    assert_eq!((mesh.ends, mesh.mean), ([found.min, found.max], found.mean));
+    assert_eq!((mesh.ends, mesh.mean), ([lost.min, lost.max], lost.mean));
     // The elastic part at 3 % is that of the plain gear or somewhat more: fewer pins carry.
     let elastic = plain.torsion.lost_motion_arcmin.unwrap().mean;
     assert!(elastic < 0.02 * mean, "{elastic}");
-    assert!((found.mean / mean - 1.0).abs() < 0.02, "{found:?} {mean}");
+    assert!((lost.mean / mean - 1.0).abs() < 0.02, "{lost:?} {mean}");
     let least = 2.0 * arcmin * 1e-5 / gear.lever_m();
     assert!(
-        found.min > least && found.min < 1.1 * least,
-        "{found:?} {least}"
+        lost.min > least && lost.min < 1.1 * least,
+        "{lost:?} {least}"
     );
     // Fewer pins carry, so that the gear is softer.
-    let [stiff, soft] =
-        [&plain, &modified].map(|found| found.torsion.stiffness_n_m_per_arcmin.mean);
+    let [stiff, soft] = [&plain, &modified].map(|one| one.torsion.stiffness_n_m_per_arcmin.mean);
     assert!(soft < 0.95 * stiff, "{soft} {stiff}");
 }
 
 /// One eccentricity that is off shows as one cycle of the transmission error in a turn of the input, and in one of the output
-/// seen from it; a gear without errors has none there.
+/// relative to it; a gear without errors has none there.
 #[test]
 fn errors_show_at_their_own_orders() {
     let harmonic = |off_m: f64| {
@@ -317,8 +316,8 @@ fn errors_show_at_their_own_orders() {
                 .collect();
         }
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-        let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
-        let bearing = &found.bearings[0];
+        let result = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let bearing = &result.bearings[0];
         let (least, most) = bearing
             .radial_n
             .iter()
@@ -337,14 +336,14 @@ fn errors_show_at_their_own_orders() {
         );
         let of_no_mesh = |h: &ForceHarmonic| h.of == "neither mesh";
         assert_eq!(bearing.radial_harmonics.iter().any(of_no_mesh), off_m > 0.0);
-        let orders = found.transmission[0].harmonics.iter();
+        let orders = result.transmission[0].harmonics.iter();
         let near = orders.filter(|harmonic| (harmonic.input_order - 1.0).abs() < 1e-9);
         near.map(|harmonic| harmonic.amplitude_arcmin).sum::<f64>()
     };
     assert_eq!(harmonic(0.0), 0.0);
     // The ring displaced by v against the axis turns the disc by up to about v/(e zs): 5 um in 42 mm are 0.41 arcmin.
-    let found = harmonic(5e-6);
-    assert!((0.2..0.6).contains(&found), "{found}");
+    let arcmin = harmonic(5e-6);
+    assert!((0.2..0.6).contains(&arcmin), "{arcmin}");
 }
 
 /// All discs turned alike against the ideal mesh are the same gear at another angle of the input: every figure stays within
@@ -370,30 +369,30 @@ fn shifted(scenes: [Scene; 2]) {
         let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
         design::run(&gearbox, false, &Control::quiet()).ok()
     };
-    let (mut seen, mut outside) = (0, Vec::new());
+    let (mut count, mut outside) = (0, Vec::new());
     for mut scene in scenes {
         scene.gear.errors = Scene::paper().gear.errors;
         let (Some(one), Some(other)) = (figures(&scene, 0.0), figures(&scene, 0.02)) else {
             continue;
         };
-        let all = |found: &design::DesignResult| {
-            let joint = found.joint.iter().flat_map(|joint| joint.figures.clone());
-            [found.figures.clone(), joint.collect()].concat()
+        let all = |result: &design::DesignResult| {
+            let joint = result.joint.iter().flat_map(|joint| joint.figures.clone());
+            [result.figures.clone(), joint.collect()].concat()
         };
         for (a, b) in all(&one).iter().zip(all(&other)) {
             let (Some(x), Some(y)) = (a.value, b.value) else {
                 continue;
             };
             let u = a.uncertainty.unwrap_or(0.0) + b.uncertainty.unwrap_or(0.0);
-            seen += 1;
+            count += 1;
             if (x - y).abs() > u + 1e-9 * x.abs() {
                 outside.push(format!("{}: {} {x} {y} {u:.1e}", scene.name, a.def.key));
             }
         }
     }
     assert!(
-        seen > 30 && outside.len() * 50 <= seen,
-        "of {seen}: {outside:#?}"
+        count > 30 && outside.len() * 50 <= count,
+        "of {count}: {outside:#?}"
     );
 }
 
@@ -411,8 +410,8 @@ fn crossval_figures_of_a_ring_are_the_carriers() {
             design::few_figures(&gearbox, &false.into()).unwrap()
         });
         let value = |figures: &[Figure], def| {
-            let found = figures.iter().find(|figure| figure.is(def));
-            found.and_then(|figure| figure.value)
+            let figure = figures.iter().find(|figure| figure.is(def));
+            figure.and_then(|figure| figure.value)
         };
         for (def, factor) in [
             (&LOST_MOTION, less),
@@ -456,11 +455,11 @@ fn hard_loads_that_are_rounding_are_none() {
             engines: &engines,
             data: &[],
         };
-        let found = comparison::run(&input, &quiet).unwrap();
+        let outcome = comparison::run(&input, &quiet).unwrap();
         // The output's angle agrees, and no force or torque is there to agree in.
-        assert!(found.comparison.counts.agree > 0);
-        assert_eq!(found.exit_status(), 4, "{:?}", found.comparison.counts);
-        let steps = found.participants.iter().map(|p| p.cost.steps);
+        assert!(outcome.comparison.counts.agree > 0);
+        assert_eq!(outcome.exit_status(), 4, "{:?}", outcome.comparison.counts);
+        let steps = outcome.participants.iter().map(|p| p.cost.steps);
         assert!(steps.max() <= Some(5000), "as the scene has them");
         let error = design::run(&gearbox, false, &quiet).unwrap_err();
         assert!(matches!(error, StudyError::Input(_)), "{error}");
@@ -472,18 +471,18 @@ fn hard_loads_that_are_rounding_are_none() {
 #[test]
 fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
     let gearbox = Gearbox::new(&scene("toleranced", &[]).check().unwrap()).unwrap();
-    let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
-    let mut figures = found.figures.iter();
+    let result = design::run(&gearbox, false, &Control::quiet()).unwrap();
+    let mut figures = result.figures.iter();
     let figure = figures.find(|figure| figure.is(&BEARING_FORCE));
-    let forces = found.bearings.iter().map(|bearing| bearing.force_n.max);
+    let forces = result.bearings.iter().map(|bearing| bearing.force_n.max);
     let forces: Vec<f64> = forces.collect();
     assert_eq!(figure.unwrap().value, Some(forces[1]), "{forces:?}");
     assert!(forces[1] > 1.5 * forces[0], "{forces:?}");
-    assert_eq!(found.most_loaded().unwrap().wheel, 1);
+    assert_eq!(result.most_loaded().unwrap().wheel, 1);
     let few = design::few_figures(&gearbox, &false.into()).unwrap();
     let mut ends = 0;
     for few in few {
-        let all = found.figures.iter().find(|figure| figure.is(&few.def));
+        let all = result.figures.iter().find(|figure| figure.is(&few.def));
         let known = |one: &Figure| one.over_mesh.map(|mesh| (mesh.ends, mesh.uncertainty));
         let (Some((a, u)), Some((b, v))) = (known(&few), known(all.unwrap())) else {
             continue;
@@ -512,8 +511,8 @@ fn hard_floating_wheels_balance_where_contacts_come_and_go() {
             law.clone_into(&mut scene.contact.law);
         }
         let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-        let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
-        let lost = found.torsion.lost_motion_arcmin.unwrap().max;
+        let result = design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let lost = result.torsion.lost_motion_arcmin.unwrap().max;
         assert!((lost / lost_arcmin - 1.0).abs() < 0.01, "{seed}: {lost}");
     }
     // Forces that jump from point to point may hold a disc nowhere between two of them; it says so.
@@ -546,25 +545,25 @@ fn hard_a_jammed_gear_has_no_lost_motion() {
             "1850.00 um",
         ),
     ] {
-        let found = design("paper", sets);
-        let told = found.preloaded.unwrap();
+        let result = design("paper", sets);
+        let line = result.preloaded.unwrap();
         assert!(
-            told.starts_with(&format!("preloaded: parts overlap by {overlap}")),
-            "{told}"
+            line.starts_with(&format!("preloaded: parts overlap by {overlap}")),
+            "{line}"
         );
-        assert!(found.torsion.lost_motion_arcmin.is_none());
-        let lost = &found.figures[0];
+        assert!(result.torsion.lost_motion_arcmin.is_none());
+        let lost = &result.figures[0];
         assert!(lost.is(&LOST_MOTION) && lost.value.is_none() && lost.over_mesh.is_none());
         assert!(lost.withheld.is_some(), "{lost:?}");
-        assert!(found.figures[1].value.is_some(), "its stiffness");
+        assert!(result.figures[1].value.is_some(), "its stiffness");
     }
     for (name, sets) in [
         ("paper", &[][..]),
         ("paper", &["gear.errors.eccentricity_m=[1e-6,-1e-6]"]),
     ] {
-        let found = design(name, sets);
+        let result = design(name, sets);
         assert!(
-            found.preloaded.is_none() && found.figures[0].value.is_some(),
+            result.preloaded.is_none() && result.figures[0].value.is_some(),
             "{sets:?}"
         );
     }
@@ -573,7 +572,7 @@ fn hard_a_jammed_gear_has_no_lost_motion() {
 /// A bearing that turns has a life and a loss; one at rest has neither, and no number in their place.
 #[test]
 fn a_bearing_at_rest_has_no_life_and_no_loss() {
-    let found = |speed: &str| {
+    let at = |speed: &str| {
         let sets = [
             "bearings.eccentric.stiffness_n_m=5e8",
             "bearings.eccentric.friction_coefficient=0.002",
@@ -582,16 +581,16 @@ fn a_bearing_at_rest_has_no_life_and_no_loss() {
             speed,
         ];
         let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
-        let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let result = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
         let named = |def: &FigureDef| {
-            let found = found.figures.iter().find(|figure| figure.is(def));
-            found.and_then(|figure| figure.value)
+            let figure = result.figures.iter().find(|figure| figure.is(def));
+            figure.and_then(|figure| figure.value)
         };
         [&BEARING_LIFE, &BEARING_LOSS].map(named)
     };
-    let [life, loss] = found("drive.input_speed_rad_s=50.0").map(Option::unwrap);
+    let [life, loss] = at("drive.input_speed_rad_s=50.0").map(Option::unwrap);
     assert!(life > 0.0 && loss > 0.0, "{life} {loss}");
-    assert_eq!(found("drive.input_speed_rad_s=0.0"), [None, None]);
+    assert_eq!(at("drive.input_speed_rad_s=0.0"), [None, None]);
 }
 
 /// The README's gear, of which docs/design.md has the table.
@@ -623,16 +622,16 @@ fn crossval_bands_of_contact_laws() {
         let gearbox = Gearbox::new(&scene).unwrap();
         band::of(&gearbox, &Control::quiet()).unwrap()
     };
-    let ends = |found: &band::Bands, def: &FigureDef| {
-        let figure = found.get(def).unwrap();
+    let ends = |bands: &band::Bands, def: &FigureDef| {
+        let figure = bands.get(def).unwrap();
         let [low, high] = figure.by_contact_law.unwrap();
         [figure.value.unwrap(), low, high]
     };
-    let close = |found: [f64; 3], wanted: [f64; 3], share: f64| {
+    let close = |actual: [f64; 3], wanted: [f64; 3], share: f64| {
         let off = |(a, b): (f64, f64)| (a / b - 1.0).abs() < share;
         assert!(
-            found.into_iter().zip(wanted).all(off),
-            "{found:?}: {wanted:?}"
+            actual.into_iter().zip(wanted).all(off),
+            "{actual:?}: {wanted:?}"
         );
     };
     let plain = of(&[]).unwrap();
@@ -687,9 +686,9 @@ fn regress_intervals_by_fit() {
         band::of(&gearbox, &Control::quiet()).unwrap().unwrap()
     };
     let scene = of(8e-6);
-    let found = bands(&scene);
-    let fits = found.tolerances.as_ref().unwrap();
-    assert!(fits.refused.is_empty() && found.fits.is_empty());
+    let band = bands(&scene);
+    let fits = band.tolerances.as_ref().unwrap();
+    assert!(fits.refused.is_empty() && band.fits.is_empty());
     assert_eq!(fits.first(&LOST_MOTION).unwrap().key, "gear.hole_radius_m");
     let cancel = AtomicBool::new(false);
     for shares in [[0.3, -0.6], [-0.7, 0.2], [0.9, 0.9], [-0.5, -0.9]] {
@@ -706,7 +705,7 @@ fn regress_intervals_by_fit() {
                 .unwrap()
                 .value
                 .unwrap();
-            let [low, high] = found.get(def).unwrap().by_fit.unwrap();
+            let [low, high] = band.get(def).unwrap().by_fit.unwrap();
             assert!(
                 low < value && value < high,
                 "{}: {value}, {low} to {high}",
@@ -719,23 +718,23 @@ fn regress_intervals_by_fit() {
     let alone = bands(&no_laws.unwrap());
     assert_eq!(alone.declined, Some("contact.band_laws is empty"));
     for figure in &alone.figures {
-        let by_law = found.get(&figure.def).unwrap();
+        let by_law = band.get(&figure.def).unwrap();
         assert_eq!(
             (figure.by_contact_law, figure.by_fit),
             (None, by_law.by_fit)
         );
     }
     assert!(alone.get(&LOST_MOTION).is_some());
-    let found = bands(&of(3e-6));
-    let refused = &found.tolerances.as_ref().unwrap().refused;
+    let band = bands(&of(3e-6));
+    let refused = &band.tolerances.as_ref().unwrap().refused;
     assert!(
-        refused.iter().all(|said| said.contains("could not orbit")),
+        refused.iter().all(|line| line.contains("could not orbit")),
         "{refused:?}"
     );
-    assert!(!refused.is_empty() && found.get(&LOST_MOTION).unwrap().by_fit.is_some());
+    assert!(!refused.is_empty() && band.get(&LOST_MOTION).unwrap().by_fit.is_some());
 }
 
-/// Every stage of a design says what it does, and ends at once when it is told to: joint and other laws did neither.
+/// Every stage of a design reports its progress and ends at once when cancelled: joint and other laws did neither.
 #[test]
 fn regress_a_design_tells_and_stops_at_every_stage() {
     let gearbox = Gearbox::new(&Scene::from_toml(README, "readme", &[]).unwrap()).unwrap();
@@ -747,7 +746,7 @@ fn regress_a_design_tells_and_stops_at_every_stage() {
         "other contact laws",
     ];
     for (before, stage) in stages.into_iter().enumerate() {
-        let (cancel, told, after) = (
+        let (cancel, reached, after) = (
             AtomicBool::new(false),
             AtomicUsize::new(0),
             AtomicUsize::new(0),
@@ -755,7 +754,7 @@ fn regress_a_design_tells_and_stops_at_every_stage() {
         let watch = |p: Progress<'_>| {
             after.fetch_add(usize::from(cancel.load(Relaxed)), Relaxed);
             if p.piece.starts_with(stage) {
-                told.store(p.done + 1, Relaxed);
+                reached.store(p.done + 1, Relaxed);
                 cancel.store(true, Relaxed);
             }
             assert!(p.done < p.total, "{}", p.piece);
@@ -763,6 +762,6 @@ fn regress_a_design_tells_and_stops_at_every_stage() {
         let stopped = design::run(&gearbox, false, &Control::new(&cancel, &watch));
         assert!(matches!(stopped, Err(StudyError::Cancelled)), "{stage}");
         assert_eq!(after.load(Relaxed), 0, "it went on after {stage}");
-        assert_eq!(told.load(Relaxed), before + 1, "{stage}");
+        assert_eq!(reached.load(Relaxed), before + 1, "{stage}");
     }
 }

@@ -1,4 +1,4 @@
-//! Sweeps as a whole: threads, interruptions, divergence, what is kept.
+//! Complete sweeps: threads, interruptions, divergence, kept records.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,7 +27,7 @@ fn plan(text: &str) -> Plan {
 
 fn run<'a>(plan: &Plan, journal: &Journal, jobs: usize) -> Vec<Row<'a>> {
     let rows = execute(plan, journal, jobs, &Control::quiet()).unwrap();
-    // For as long as the test runs.
+    // Leaked, to live as long as the test.
     Box::leak(Box::new(rows)).all().unwrap()
 }
 
@@ -104,7 +104,7 @@ fn a_gear_of_a_sweep_takes_little_memory() {
     assert!(each < 500.0, "{each} bytes a gear");
 }
 
-/// The figures are those of the run itself.
+/// Figures of the table agree with those of the written time series.
 #[test]
 fn figures_are_the_time_series() {
     let text = format!("courses = \"csv\"\nwindow_s = [0.001, 0.003]\n{SWEEP}");
@@ -128,14 +128,14 @@ fn figures_are_the_time_series() {
             .iter()
             .flat_map(|f| &f[window.clone()])
             .fold(0.0, |a: f64, b| a.max(*b));
-        // The peak may lie between samples, 2.4 % above them here; never below.
+        // The peak between samples exceeds the largest sample by 2.4 % here.
         assert!(
             (1.0..1.05).contains(&(peaks[k] / peak)),
             "{} {peak}",
             peaks[k]
         );
         let torque = &time_series.channel("input_torque_n_m").unwrap()[window];
-        // The mean is over time, of curves through the samples; their trapezoids are near it.
+        // The mean integrates a curve through the samples; the trapezoidal rule is close to it.
         let ends = 0.5 * (torque[0] + torque[20]);
         let mean = (torque.iter().sum::<f64>() - ends) / 20.0;
         assert!((means[k] / mean - 1.0).abs() < 1e-2, "{} {mean}", means[k]);
@@ -143,8 +143,8 @@ fn figures_are_the_time_series() {
     }
 }
 
-/// The paper's law creates 0.95 % of the work, by which its efficiency was 1.004; without friction nothing is lost that a gear
-/// would lose. Neither has an efficiency, and the reason says so.
+/// No efficiency is given for a law that creates energy (the paper's: 0.95 % of the work, which once gave 1.004), nor without
+/// friction. The record states the reason.
 #[test]
 fn regress_no_efficiency_is_above_one() {
     let text = "scene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.03\n\
@@ -169,15 +169,15 @@ fn regress_no_efficiency_is_above_one() {
     assert_eq!(defined, 1, "paper-conservative with friction");
 }
 
-/// Stopped at any moment, a sweep goes on with the runs that are missing, and ends as if it had not been.
+/// A stopped sweep resumes with the missing runs, and ends with the table of an uninterrupted one.
 #[test]
 fn goes_on_where_it_stopped() {
     let (plan, folder) = (plan(SWEEP), tempfile::tempdir().unwrap());
-    let whole = csv(
+    let expected = csv(
         &plan,
         &run(
             &plan,
-            &Journal::open(&folder.path().join("whole"), None, "a test").unwrap(),
+            &Journal::open(&folder.path().join("complete"), None, "a test").unwrap(),
             2,
         ),
     );
@@ -191,7 +191,7 @@ fn goes_on_where_it_stopped() {
         panic!("{stopped}");
     };
     assert!((5..=6).contains(&finished) && runs == 12, "{finished}");
-    // A kill leaves files that were being written, and perhaps a torn record from elsewhere.
+    // A killed process leaves unfinished files, and possibly a truncated record.
     std::fs::write(place.join(".unfinished-x"), "{").unwrap();
     std::fs::write(place.join("run-torn.json"), "{\"engine\":").unwrap();
     drop(journal);
@@ -200,9 +200,9 @@ fn goes_on_where_it_stopped() {
     assert!(!place.join(".unfinished-x").exists());
     let records = run(&plan, &journal, 2);
     assert_eq!(journal.in_its_folder(), 12);
-    assert_eq!(csv(&plan, &records), whole);
+    assert_eq!(csv(&plan, &records), expected);
     drop(journal);
-    // A third time nothing is run, though a record has another name: the times, which no two runs share, stay.
+    // A third call runs nothing, even with a renamed record: CPU times, which differ between runs, are unchanged.
     std::fs::remove_file(place.join("run-torn.json")).unwrap();
     let names = std::fs::read_dir(&place).unwrap();
     let mut names = names.map(|one| one.unwrap().path());
@@ -219,7 +219,7 @@ fn goes_on_where_it_stopped() {
     );
 }
 
-/// A longer list finds the runs of a shorter one; another window does not.
+/// A longer list reuses the runs of a shorter one; a different window does not.
 #[test]
 fn a_changed_sweep_keeps_what_still_fits() {
     let folder = tempfile::tempdir().unwrap();
@@ -278,8 +278,8 @@ fn drawn(plan: &Plan, place: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Every part of a hypercube's distribution holds one value, a Sobol sequence is as even and goes on where a shorter one
-/// ended, seeds differ, and bounds hold.
+/// A Latin hypercube has one value in every part of its distribution. A Sobol sequence is as even, and continues a shorter one.
+/// Seeds give different samples, and values respect their bounds.
 #[test]
 fn samples_are_distributed_as_asked() {
     for method in ["latin-hypercube", "sobol", "random"] {
@@ -329,7 +329,7 @@ fn samples_are_distributed_as_asked() {
             "{method}"
         );
     }
-    // A list of values, each drawn alone.
+    // Each value of the list is drawn independently.
     let list = "scene = \"paper\"\n[sample]\npoints = 3\noutput.channels = { from = 0.0, to = 1.0, each = 4 }\n";
     let sweep = Sweep::from_toml(list, Path::new("mine.toml")).unwrap();
     assert_eq!(
@@ -338,7 +338,7 @@ fn samples_are_distributed_as_asked() {
     );
 }
 
-/// Any number of threads gives equal results, and the yield is that of the rows.
+/// Results do not depend on the number of threads, and the yield follows from the rows.
 #[test]
 fn a_sample_is_the_same_whoever_runs_it() {
     let (plan, folder) = (plan(SAMPLE), tempfile::tempdir().unwrap());
@@ -349,17 +349,17 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let table = results(&plan, &records);
     let lost = numbers(table.column("mean_lost_motion_arcmin"));
     let kept = lost.iter().filter(|x| **x <= 0.9).count();
-    let [found] = tolerances(&plan, &table).try_into().unwrap();
-    let of = found.yielded.unwrap();
+    let [summary] = tolerances(&plan, &table).try_into().unwrap();
+    let of = summary.yielded.unwrap();
     assert_eq!((of.kept, of.runs, of.alone), (kept, 64, vec![of.share]));
     assert!(0 < kept && kept < 64 && of.interval[0] < of.share && of.share < of.interval[1]);
-    // Balances of one gear are those of its design, which begin elsewhere, within their rounding.
+    // Equilibria agree to rounding with those of `design`, which start from other states.
     let gearbox = pinwheel_gearbox::Gearbox::new(&plan.run(5).unwrap().scene).unwrap();
     let design = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
     let of_design = design.torsion.lost_motion_arcmin.unwrap().mean;
     assert!((lost[5] / of_design - 1.0).abs() < 1e-9, "{of_design}");
-    // More play is more lost motion, and nothing decides more.
-    let figure = found
+    // Play increases lost motion, and has the largest influence.
+    let figure = summary
         .figures
         .iter()
         .find(|f| f.def.key == "mean_lost_motion_arcmin");
@@ -370,7 +370,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     );
 }
 
-/// Values that make no gear are runs of lost yield, each with its reason; a sample of nothing else is refused.
+/// Runs whose values make no valid gear reduce the yield, each with its reason. A sample without a valid gear is refused.
 #[test]
 fn samples_that_cannot_be_built_are_lost_yield() {
     let text = |from: f64| {
@@ -392,21 +392,21 @@ fn samples_that_cannot_be_built_are_lost_yield() {
         assert_eq!(run.refused.is_none(), record.is_finished());
         let why = run.refused.as_deref().unwrap_or_default();
         assert!(record.reason().contains(why), "{why}: {}", record.reason());
-        // Nobody need run it.
+        // The record replaces a run.
         assert!(find(&plan, &run, &journal, &wanted_of(&run).1).is_some());
     }
-    let [found] = tolerances(&plan, &results(&plan, &records))
+    let [summary] = tolerances(&plan, &results(&plan, &records))
         .try_into()
         .unwrap();
-    let of = found.yielded.unwrap();
+    let of = summary.yielded.unwrap();
     assert!(0 < lost && lost < 8, "{lost}");
     assert_eq!((of.kept, of.runs), (8 - lost, 8));
     assert_eq!(broken(&records).count(), 0);
     let none = Sweep::from_toml(&text(0.019), Path::new("mine.toml")).unwrap();
-    let said = Plan::new(none, &[]).unwrap_err().to_string();
+    let message = Plan::new(none, &[]).unwrap_err().to_string();
     assert!(
-        said.starts_with("run 1 ") && said.contains("narrow its intervals"),
-        "{said}"
+        message.starts_with("run 1 ") && message.contains("narrow its intervals"),
+        "{message}"
     );
 }
 
@@ -444,8 +444,8 @@ poisson = 0.3
 density_kg_m3 = 7850.0
 ";
 
-/// Gear of its tolerances with much clearance in the needles and little at the ring: next to no load, its balances were lost on the way
-/// from the rated load.
+/// Computes gears with much clearance in the needles and little at the ring. Their equilibria at almost no load were once lost on
+/// the way from the rated load.
 fn loose_needles(clearance_m: f64, equidistant_m: f64) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("rv.toml"), RV).unwrap();
@@ -478,7 +478,7 @@ fn regress_loose_needles_are_balanced_at_a_tighter_ring() {
 
 #[test]
 fn bad_input_samples() {
-    let told = |text: &str| {
+    let refusal = |text: &str| {
         let sweep = Sweep::from_toml(text, Path::new("mine.toml"));
         let plan = sweep.and_then(|sweep| Plan::new(sweep, &[]));
         let line = plan.expect_err(text).to_string();
@@ -516,7 +516,7 @@ fn bad_input_samples() {
             "gear.backlash_m = { mean = 0.0, deviation = 1e-6, from = 1.0 }",
             "leave next to nothing of the distribution",
         ),
-        // About 0, which nobody has to say.
+        // The mean defaults to 0.
         (
             "gear.errors.external_sleeve_radial_m = { deviation = 1e-6, each = 4 }",
             "external_sleeve_radial_m = 4 values): ",
@@ -556,34 +556,34 @@ fn bad_input_samples() {
             false => text.replace("[sample]\n", "[sample]\npoints = 4\n"),
         };
         let text = format!("engines = [\"statics\"]\n{text}");
-        let line = told(&text);
+        let line = refusal(&text);
         assert!(line.contains(part), "{text}\n{line}");
     }
-    assert!(told("scene = \"paper\"\n[sample]\n").contains("missing field `points`"));
-    assert!(told("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
+    assert!(refusal("scene = \"paper\"\n[sample]\n").contains("missing field `points`"));
+    assert!(refusal("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
     let wide = "scene = \"paper\"\n[sample]\npoints = 9\nmethod = \"sobol\"\noutput.x = { from = 0, to = 1, each = 300 }";
-    assert!(told(wide).contains("latin-hypercube"));
+    assert!(refusal(wide).contains("latin-hypercube"));
     let long =
         "scene = \"paper\"\n[sample]\npoints = 60000\noutput.x = { from = 0, to = 1, each = 300 }";
-    assert!(told(long).contains("fewer points"));
+    assert!(refusal(long).contains("fewer points"));
 }
 
-/// Works know what lies between samples: five times as many move the efficiency of steel, which rings at 5.6 kHz, by nothing that
-/// shows. By means of samples it was 0.986 and 0.992.
+/// Efficiency from works does not depend on the sample spacing, even for steel, which oscillates at 5.6 kHz. Efficiency from means
+/// of samples was 0.986 and 0.992.
 #[test]
 fn regress_efficiency_does_not_hang_on_samples() {
     let text = "scene = \"steel\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
                 solver.integrator = \"auto\"\n[vary]\nsolver.sample_s = [1e-4, 1e-5]\n";
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
     let journal = Journal::open(folder.path(), None, "a test").unwrap();
-    let found = run(&plan, &journal, 2);
-    let [coarse, fine] = [0, 1].map(|k| found[k].efficiency_accounted.unwrap());
+    let rows = run(&plan, &journal, 2);
+    let [coarse, fine] = [0, 1].map(|k| rows[k].efficiency_accounted.unwrap());
     assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
 }
 
-/// Figures of balances without friction, each within the uncertainty that `design` gives it (transmission errors within 1 %), as a program found them whose balances all began at the
-/// one before and ended at a residual of 1e-12. The third gear has discs in so much play that a step under next to no force takes them far;
-/// pressed against pins there, they passed for preloaded.
+/// Figures of frictionless equilibria agree within the uncertainty of `design` (transmission errors within 1 %) with a program that
+/// started each equilibrium at the previous one and ended at a residual of 1e-12. The third gear's discs have so much play that a
+/// step under almost no force moves them far; pressed against pins there, they once counted as preloaded.
 #[test]
 fn regress_balances_of_a_lot_of_gears() {
     let keys = [
@@ -651,18 +651,18 @@ fn regress_balances_of_a_lot_of_gears() {
         );
         assert!(record.rhs_calls < 10 * record.steps, "{scene}");
         for (key, (value, uncertainty)) in keys.iter().zip(accepted) {
-            let found = record.balance(key);
-            // A sweep reads it off a tenth of the poses.
+            let actual = record.balance(key);
+            // A sweep evaluates a tenth of the poses.
             let share = if key.starts_with("transmission") {
                 0.01
             } else {
                 0.0
             };
             let uncertainty = f64::max(uncertainty, share * value);
-            let apart = found.map_or(f64::NAN, |found| (found - value).abs());
+            let apart = actual.map_or(f64::NAN, |actual| (actual - value).abs());
             assert!(
                 apart <= uncertainty,
-                "{scene}, {key}: {found:?}, {value}, {}",
+                "{scene}, {key}: {actual:?}, {value}, {}",
                 record.reason()
             );
         }

@@ -46,7 +46,7 @@ fn a_full_file() {
         ("mine", "paper")
     );
     assert_eq!(plain.engines, ["native"]);
-    // The points of an axis differ, not the values of each of its keys.
+    // Points of an axis must differ; values of one of its keys may repeat.
     let text = "scene = \"paper\"\n[[together]]\na = [1, 1]\nb = [1, 2]";
     assert_eq!(read(text).unwrap().axes[0].len(), 2);
 }

@@ -3,7 +3,7 @@
 use pinwheel_studies::internals::{clopper_pearson, figure, quantile};
 use pinwheel_studies::rng::Rng;
 
-/// Figures whose indices are known: y = 3 a + b, and y = a^2, which no straight line sees, of uniform a and b.
+/// Functions of uniform a and b with known indices: y = 3 a + b, and y = a^2, which has no linear part.
 #[test]
 fn published_sensitivities_of_known_functions() {
     let mut rng = Rng::new(7);
@@ -21,9 +21,9 @@ fn published_sensitivities_of_known_functions() {
         let values: Vec<Option<f64>> = a.iter().zip(&b).map(|(a, b)| Some(f(*a, *b))).collect();
         figure("y", &values, &keys).expect("it varies")
     };
-    let close = |found: Option<f64>, is: f64| {
-        let found = found.expect("found");
-        assert!((found - is).abs() < 0.02, "{found} is not {is}");
+    let close = |actual: Option<f64>, is: f64| {
+        let actual = actual.expect("a value");
+        assert!((actual - is).abs() < 0.02, "{actual} is not {is}");
     };
     let line = over(&|a, b| 3.0 * a + b);
     assert_eq!(line.sensitivities[0].key, "a");
@@ -39,8 +39,8 @@ fn published_sensitivities_of_known_functions() {
     close(of("b").and_then(|s| s.first_order), 0.0);
 }
 
-/// 59 runs are the least whose largest is above the 95 % quantile with 95 % confidence (S. S. Wilks, Ann. Math. Stat. 12,
-/// 1941); both sides take 2.5 % here, so that it is 72.
+/// The largest of at least 59 runs exceeds the 95 % quantile with 95 % confidence (S. S. Wilks, Ann. Math. Stat. 12, 1941); with
+/// 2.5 % on both sides, as here, of at least 72.
 #[test]
 fn published_quantiles_and_yield() {
     let ramp = |count: usize| (0..count).map(|k| k as f64).collect::<Vec<f64>>();
@@ -51,7 +51,7 @@ fn published_quantiles_and_yield() {
         (median.value, median.interval),
         (50.0, [Some(40.0), Some(60.0)])
     );
-    // Clopper and Pearson of 8 in 10, as tables have it.
+    // Tabulated Clopper-Pearson interval of 8 in 10.
     let [low, high] = clopper_pearson(8, 10);
     assert!(
         (low - 0.4439).abs() < 1e-4 && (high - 0.9748).abs() < 1e-4,

@@ -33,8 +33,8 @@ fn regress_a_short_record_is_placed_on_the_finer_grid() {
     let exact = shift(&run, &series(0.0, 0.05, 1e-4, |t| swing(t + 0.1))).unwrap();
     let off = (exact.seconds - 0.1).abs();
     assert!(off < 4e-6 && exact.correlation > 0.999_99, "{exact:?}");
-    let told = exact.message("native-reduced", Offset::Seconds(0.1));
-    assert!(told.contains("offset_s = 0.20000"), "{told}");
+    let message = exact.message("native-reduced", Offset::Seconds(0.1));
+    assert!(message.contains("offset_s = 0.20000"), "{message}");
     // Sampled 20 times as often, and with bursts of short steps.
     let fine = shift(&run, &series(0.0, 0.05, 5e-6, |t| swing(t + 0.1))).unwrap();
     assert!((fine.seconds - 0.1).abs() < 1e-6, "{fine:?}");
@@ -107,6 +107,6 @@ fn regress_equal_maxima_are_named() {
     let fit = fit.unwrap();
     let periods = (fit.rival.unwrap() - fit.seconds) / (TAU / 100.0);
     assert!((periods.abs() - 1.0).abs() < 0.02, "{fit:?}");
-    let told = fit.message("run", Offset::Seconds(0.0));
-    assert!(told.contains("two maxima are equal"), "{told}");
+    let message = fit.message("run", Offset::Seconds(0.0));
+    assert!(message.contains("two maxima are equal"), "{message}");
 }

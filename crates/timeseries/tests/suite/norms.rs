@@ -82,8 +82,8 @@ fn what_is_nothing_is_measured_by_the_least_load() {
     let off = Distance::between(&time_series(&times, 0.5, 2e-3), &nothing, least);
     // sqrt((3^2 + 4^2)/3 samples)
     let expected = (25.0_f64 / 3.0).sqrt();
-    for found in [off.forces, off.driver_torque] {
-        assert!((found / expected - 1.0).abs() < 1e-12, "{off:?}");
+    for actual in [off.forces, off.driver_torque] {
+        assert!((actual / expected - 1.0).abs() < 1e-12, "{off:?}");
     }
     let something = time_series(&times, 1.0, 1.0);
     let against_nothing = Distance::between(&something, &nothing, LoadFloor::default());

@@ -14,7 +14,7 @@ fn time(k: usize) -> String {
     format!("{:.4}", 1e-4 * k as f64)
 }
 
-fn found(map: &str, text: impl AsRef<[u8]>) -> Result<Foreign, String> {
+fn convert(map: &str, text: impl AsRef<[u8]>) -> Result<Foreign, String> {
     let map = Map::from_toml(map, "m.toml").unwrap();
     read(text.as_ref(), &map).map_err(|error| error.to_string())
 }
@@ -76,8 +76,8 @@ fn regress_writers_of_all_kinds_are_read() {
         (
             "[file]\nseparator = \";\"\nthousands = \",\"\n[columns]\ninput_torque_n_m = { column = \"T\", unit = \"N mm\" }".to_owned(),
             rows("time_s;T", |k| {
-                let [whole, part] = [125 * k / 1000, 125 * k % 1000];
-                format!("{};{whole},{part:03}.0", time(k))
+                let [integer, part] = [125 * k / 1000, 125 * k % 1000];
+                format!("{};{integer},{part:03}.0", time(k))
             }).into_bytes(),
         ),
         (
@@ -102,7 +102,7 @@ fn regress_writers_of_all_kinds_are_read() {
         ),
     ];
     for (map, text) in texts {
-        let series = found(&map, &text).unwrap_or_else(|error| panic!("{map}: {error}"));
+        let series = convert(&map, &text).unwrap_or_else(|error| panic!("{map}: {error}"));
         let series = series.time_series;
         let values = series.channel("input_torque_n_m").unwrap();
         assert_eq!(values.len(), ROWS, "{map}");
@@ -128,7 +128,7 @@ fn regress_angles_are_unwrapped() {
             let map = format!(
                 "[columns]\noutput_angle_rad = {{ column = \"A\", {unit}, unwrap = {unwrap} }}"
             );
-            let series = found(&map, &text).unwrap().time_series;
+            let series = convert(&map, &text).unwrap().time_series;
             for (k, value) in series.channels()[0].values.iter().enumerate() {
                 assert!(
                     (value.to_degrees() - angle(k)).abs() < 1e-6,
@@ -137,7 +137,7 @@ fn regress_angles_are_unwrapped() {
             }
         }
         let map = format!("[columns]\noutput_angle_rad = {{ column = \"A\", {unit} }}");
-        let error = found(&map, &text).unwrap_err();
+        let error = convert(&map, &text).unwrap_err();
         assert!(
             error.contains("line 4: column `A` goes from 0.0") || error.contains("line 4"),
             "{error}"
@@ -158,11 +158,11 @@ fn regress_angles_are_unwrapped() {
         )
     });
     let map = "[columns]\ntransmission_error_arcmin = { sum_of = { A = 1.0, B = 0.0666666666666667 }, unit = \"deg\", unwrap = true }";
-    let series = found(map, &text).unwrap().time_series;
+    let series = convert(map, &text).unwrap().time_series;
     assert!(series.channels()[0].values.iter().all(|v| v.abs() < 1e-6));
     // A slow record of a fast shaft also jumps, always in one direction.
     let fast = rows("time_s,A", |k| format!("{},{}", time(k), 400 * k));
-    assert!(found(&ANGLE.replace(", unwrap = true", ""), fast).is_ok());
+    assert!(convert(&ANGLE.replace(", unwrap = true", ""), fast).is_ok());
 }
 
 /// Rows before and after an event, at one time or 1e-12 s apart.
@@ -178,7 +178,7 @@ fn regress_an_instant_written_twice_has_the_value_after() {
             ("[rows]\ntwice = \"last\"\n", 1.0),
             ("[rows]\ntwice = \"first\"\n", 0.0),
         ] {
-            let read = found(&format!("{TORQUE}{rows}"), &text).unwrap();
+            let read = convert(&format!("{TORQUE}{rows}"), &text).unwrap();
             assert_eq!(read.twice, Some((ROWS / 2, 0.0)));
             assert_eq!((read.time_series.len(), read.bad.len()), (ROWS / 2, 0));
             assert!(
@@ -188,7 +188,7 @@ fn regress_an_instant_written_twice_has_the_value_after() {
                     .all(|v| *v == value)
             );
         }
-        let error = found(&format!("{TORQUE}[rows]\ntwice = \"refuse\""), &text).unwrap_err();
+        let error = convert(&format!("{TORQUE}[rows]\ntwice = \"refuse\""), &text).unwrap_err();
         assert!(
             error.contains("20 instants are written more than once, the first 0 s"),
             "{error}"
@@ -272,7 +272,7 @@ fn bad_input_is_refused_by_what_it_is() {
             "a clock time: leave time.unit out",
         ),
     ] {
-        let error = found(&map, &text).unwrap_err();
+        let error = convert(&map, &text).unwrap_err();
         assert!(
             error.contains(part) && !error.contains('\n'),
             "{part}: {error}"
@@ -282,5 +282,5 @@ fn bad_input_is_refused_by_what_it_is() {
     let noise = rows("time_s,T", |k| {
         format!("{},{}", time(k), [-0.1, 9.0][k % 2])
     });
-    assert!(found(&force, noise).is_ok());
+    assert!(convert(&force, noise).is_ok());
 }

@@ -29,40 +29,40 @@ fn even(count: usize, step: f64, from: f64) -> Vec<f64> {
 #[test]
 fn own_times_are_taken_as_they_are() {
     let times = even(101, 1e-3, 0.0);
-    let found = resample(&wave(&times), &times, CUBIC).unwrap();
+    let after = resample(&wave(&times), &times, CUBIC).unwrap();
     assert_eq!(
-        (found.time_series, found.own, found.interpolated),
+        (after.time_series, after.own, after.interpolated),
         (wave(&times), 101, 0)
     );
-    assert!(found.restores.is_none() && found.gaps_s.is_empty());
+    assert!(after.restores.is_none() && after.gaps_s.is_empty());
 }
 
 /// The stated error exceeds the actual one, for any method.
 #[test]
-fn the_told_error_bounds_the_made_one() {
+fn the_stated_error_bounds_the_actual_one() {
     let times = even(200, 1e-3, 0.0);
     let exact = wave(&times);
     for (method, most) in [(Method::Cubic, 1e-5), (Method::Linear, 1e-3)] {
-        let found = resample(
+        let after = resample(
             &wave(&even(300, 1.7e-3, -0.01)),
             &times,
             Resampling { method, ..CUBIC },
         )
         .unwrap();
-        assert!(found.interpolated > 150);
-        let [made, exact] = [&found.time_series, &exact].map(|c| c.channels()[0].values.as_slice());
+        assert!(after.interpolated > 150);
+        let [made, exact] = [&after.time_series, &exact].map(|c| c.channels()[0].values.as_slice());
         let made = relative_l2(&made.into(), &exact.into(), 0.0);
-        let told = found.restores.unwrap().0;
-        assert!(made < told && told < most, "{method:?}: {made:e} {told:e}");
+        let u = after.restores.unwrap().0;
+        assert!(made < u && u < most, "{method:?}: {made:e} {u:e}");
     }
 }
 
 #[test]
 fn what_is_not_covered_stays_empty() {
     let times = even(101, 1e-3, 0.0);
-    let found = resample(&wave(&even(51, 1e-3, 0.02)), &times, CUBIC).unwrap();
-    assert!((found.covers_s[0] - 0.02).abs() < 1e-12 && (found.covers_s[1] - 0.07).abs() < 1e-12);
-    let values = &found.time_series.channels()[0].values;
+    let after = resample(&wave(&even(51, 1e-3, 0.02)), &times, CUBIC).unwrap();
+    assert!((after.covers_s[0] - 0.02).abs() < 1e-12 && (after.covers_s[1] - 0.07).abs() < 1e-12);
+    let values = &after.time_series.channels()[0].values;
     assert!(values[..20].iter().chain(&values[71..]).all(|v| v.is_nan()));
     assert!(values[20..71].iter().all(|v| v.is_finite()));
     let apart = resample(&wave(&even(51, 1e-3, 3.0)), &times, CUBIC).unwrap_err();
@@ -108,8 +108,8 @@ fn regress_variable_steps_are_no_gaps() {
     go(9.7e-5, 1);
     go(1e-4, 5);
     let end = times[times.len() - 1];
-    let found = resample(&wave(&times), &even(101, end / 100.0, 0.0), CUBIC).unwrap();
-    assert_eq!((found.gaps_s.len(), found.covers_s), (0, [0.0, end]));
+    let after = resample(&wave(&times), &even(101, end / 100.0, 0.0), CUBIC).unwrap();
+    assert_eq!((after.gaps_s.len(), after.covers_s), (0, [0.0, end]));
     // A long step among short ones is a gap only if the signal changes.
     let mut rows: Vec<f64> = even(200, 1e-5, 0.0);
     rows.extend(even(200, 1e-5, 0.004));
@@ -125,13 +125,13 @@ fn regress_variable_steps_are_no_gaps() {
 
 /// Two adjacent gaps are both detected, each compared with the spacings around both.
 #[test]
-fn regress_gaps_side_by_side_are_seen() {
+fn regress_gaps_side_by_side_are_detected() {
     let times = even(101, 1e-3, 0.0);
     let kept = times.iter().enumerate();
     let kept = kept.filter(|(k, _)| !(30..60).contains(k) || *k == 45);
     let kept: Vec<f64> = kept.map(|(_, t)| *t).collect();
-    let found = resample(&wave(&kept), &times, CUBIC).unwrap();
-    assert_eq!(found.gaps_s.len(), 2);
+    let after = resample(&wave(&kept), &times, CUBIC).unwrap();
+    assert_eq!(after.gaps_s.len(), 2);
 }
 
 #[test]

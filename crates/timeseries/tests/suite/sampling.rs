@@ -14,8 +14,8 @@ fn sampled(of: &dyn Fn(f64) -> f64, steps: u32) -> Figures {
     let values = times.iter().map(|&t| of(t)).collect();
     let mut time_series = TimeSeries::new(times).unwrap();
     time_series.push(NAME, values).unwrap();
-    let whole = 0..time_series.len();
-    Figures::of(&time_series, "force_n", &[NAME], whole).unwrap()
+    let all = 0..time_series.len();
+    Figures::of(&time_series, "force_n", &[NAME], all).unwrap()
 }
 
 /// The weights are exact for polynomials, at equal spacings or not.
@@ -51,23 +51,23 @@ fn what_sampling_leaves_is_stated() {
     let of = |t: f64| 1.0 + (3.0 * t + 0.2).sin();
     let mean = 1.0 + ((0.2_f64).cos() - (60.2_f64).cos()) / 60.0;
     for steps in [19, 23, 29, 40, 67, 110, 171, 400, 1000] {
-        let found = sampled(&of, steps);
-        let (figures, off) = (found.statistics, found.sampling);
+        let sample = sampled(&of, steps);
+        let (figures, off) = (sample.statistics, sample.sampling);
         assert!(
             (figures.mean - mean).abs() <= off.mean + 1e-6,
-            "{steps}: {found:?}"
+            "{steps}: {sample:?}"
         );
         let missed = 2.0 - figures.peak;
-        assert!((missed).abs() <= off.peak + 1e-9, "{steps}: {found:?}");
+        assert!((missed).abs() <= off.peak + 1e-9, "{steps}: {sample:?}");
         if steps >= 171 {
-            assert!(off.mean < 1e-3 && off.peak < 4e-3, "{steps}: {found:?}");
+            assert!(off.mean < 1e-3 && off.peak < 4e-3, "{steps}: {sample:?}");
         }
     }
 }
 
 /// Points between samples give sharp figures where samples alone do not; only those within the window count.
 #[test]
-fn points_between_samples_are_seen() {
+fn points_between_samples_are_detected() {
     let of = |t: f64| (2.0 * t).sin();
     let mut between = Between::new(&["force_n"], 11);
     // More than one chunk, and pairs of points close to each other.

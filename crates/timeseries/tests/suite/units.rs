@@ -51,8 +51,8 @@ fn published_torques_are_products() {
         ("m", f64::NAN),
         ("N*s", f64::NAN),
     ] {
-        let found = factor("output_torque_n_m", unit).unwrap_or(f64::NAN);
-        let same = (found / value - 1.0).abs() < 1e-6;
-        assert!(same || found.is_nan() && value.is_nan(), "{unit}: {found}");
+        let ratio = factor("output_torque_n_m", unit).unwrap_or(f64::NAN);
+        let same = (ratio / value - 1.0).abs() < 1e-6;
+        assert!(same || ratio.is_nan() && value.is_nan(), "{unit}: {ratio}");
     }
 }

@@ -16,15 +16,15 @@ fn unknown(name: &str) -> Evidence {
 /// Returns the time series with one force sample replaced.
 fn spoiled(value: f64) -> TimeSeries {
     let base = time_series(1.0);
-    let mut found = TimeSeries::new(base.time_s().to_vec()).unwrap();
+    let mut altered = TimeSeries::new(base.time_s().to_vec()).unwrap();
     for channel in base.channels() {
         let mut values = channel.values.clone();
         if channel.name.starts_with(FORCE) {
             values[500] = value;
         }
-        found.push(channel.name.clone(), values).unwrap();
+        altered.push(channel.name.clone(), values).unwrap();
     }
-    found
+    altered
 }
 
 /// A final reason of one engine leaves the verdict on another engine unchanged.
@@ -36,23 +36,23 @@ fn regress_a_reason_is_its_engines_own() {
             ..Rules::default()
         };
         let pair = [native(), other(SharedModel::SharedLaw, 1.0)];
-        let found = compare(&context(), &pair, &rules).unwrap();
-        let result = entry(&found, WindowKind::Steady).result.clone();
+        let report = compare(&context(), &pair, &rules).unwrap();
+        let result = entry(&report, WindowKind::Steady).result.clone();
         assert_eq!(result.verdict, Verdict::Inconclusive);
         let name = result.participant.unwrap();
-        (name, result.actionable, found.counts.exit_status())
+        (name, result.actionable, report.counts.exit_status())
     };
-    let told = |name: &str, actionable, status| (name.to_owned(), actionable, status);
-    let found = at([
+    let expected = |name: &str, actionable, status| (name.to_owned(), actionable, status);
+    let actual = at([
         unknown("native"),
         unknown("other").finally("old", "it is old"),
     ]);
-    assert_eq!(found, told("native", true, 4));
-    let found = at([
+    assert_eq!(actual, expected("native", true, 4));
+    let actual = at([
         unknown("native").finally("new", "it is new"),
         unknown("other"),
     ]);
-    assert_eq!(found, told("native", false, 0));
+    assert_eq!(actual, expected("native", false, 0));
 }
 
 /// A limit stated for one window of measured data applies in that window alone, up to its exact value.
@@ -74,10 +74,10 @@ fn regress_stated_limits_hold_in_their_window() {
         let pair = [native(), other(SharedModel::Measured, 0.99)];
         compare(&context(), &pair, &rules).unwrap()
     };
-    let found = at(0.1);
-    let result = &entry(&found, WindowKind::Steady).result;
+    let report = at(0.1);
+    let result = &entry(&report, WindowKind::Steady).result;
     assert_eq!(result.verdict, Verdict::Agree);
-    let transient = &entry(&found, WindowKind::Transient).result;
+    let transient = &entry(&report, WindowKind::Transient).result;
     assert_eq!(transient.verdict, Verdict::NotCompared, "{transient:?}");
     let value = result.difference.unwrap();
     assert_eq!(result.share(), value / 0.1);
@@ -109,8 +109,8 @@ fn regress_an_unknown_mean_is_not_held_against_the_load() {
             ..Rules::default()
         };
         let one = [participant("native", SharedModel::Native, turned)];
-        let found = compare(&context(), &one, &rules).unwrap();
-        found.engines[0].judged[0].result.verdict
+        let report = compare(&context(), &one, &rules).unwrap();
+        report.engines[0].judged[0].result.verdict
     };
     assert_eq!(at(1.0), Verdict::Agree);
     assert_eq!(at(1.01), Verdict::Inconclusive);
@@ -135,8 +135,8 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             ..Rules::default()
         };
         let pair = [native(), other(track, 1.0)];
-        let found = compare(&parted, &pair, &rules).unwrap();
-        let judged = &entry(&found, WindowKind::Steady).assessments;
+        let report = compare(&parted, &pair, &rules).unwrap();
+        let judged = &entry(&report, WindowKind::Steady).assessments;
         assert!(!judged.is_empty(), "{track:?}");
         assert!(
             judged.iter().all(|j| !j.metric.unwrap().is_pointwise()),
@@ -156,8 +156,8 @@ fn regress_beyond_the_horizon_figures_are_judged() {
             tolerances: &crate::common::TOLERANCES,
             ..Rules::default()
         };
-        let found = compare(scene, &[native(), own], &rules).unwrap();
-        let mut entries = found.pairs[0].entries.iter();
+        let report = compare(scene, &[native(), own], &rules).unwrap();
+        let mut entries = report.pairs[0].entries.iter();
         let entry = entries.find(|e| e.quantity == quantity && e.window == WindowKind::Steady);
         let judged = &entry.unwrap().assessments;
         assert_eq!(judged.len(), 1, "{judged:?}");
@@ -190,17 +190,14 @@ fn hard_what_is_not_finite_is_inconclusive() {
             participant("native", SharedModel::Native, spoiled(a)),
             participant("other", SharedModel::SharedLaw, spoiled(b)),
         ];
-        let found = compare(&context(), &pair, &rules).unwrap();
-        let steady = entry(&found, WindowKind::Steady);
-        let told = steady.assessments.iter().filter(|j| j.difference.is_none());
-        let told: Vec<_> = told.collect();
-        assert!(
-            !told.is_empty() && told.iter().all(|j| j.decides),
-            "{told:?}"
-        );
-        assert_eq!(told[0].verdict, Verdict::Inconclusive);
-        assert_eq!(told[0].participant.as_deref(), Some(who));
-        assert!(told[0].reason.contains("not finite"), "{:?}", told[0]);
+        let report = compare(&context(), &pair, &rules).unwrap();
+        let steady = entry(&report, WindowKind::Steady);
+        let nan = steady.assessments.iter().filter(|j| j.difference.is_none());
+        let nan: Vec<_> = nan.collect();
+        assert!(!nan.is_empty() && nan.iter().all(|j| j.decides), "{nan:?}");
+        assert_eq!(nan[0].verdict, Verdict::Inconclusive);
+        assert_eq!(nan[0].participant.as_deref(), Some(who));
+        assert!(nan[0].reason.contains("not finite"), "{:?}", nan[0]);
         assert_ne!(steady.result.verdict, Verdict::Agree);
     }
 }
@@ -222,7 +219,7 @@ fn zeros_agree() {
         participant("native", SharedModel::Native, time_series(0.0)),
         other(SharedModel::SharedLaw, 0.0),
     ];
-    let found = compare(&free, &pair, &rules).unwrap();
-    let result = &entry(&found, WindowKind::Steady).result;
+    let report = compare(&free, &pair, &rules).unwrap();
+    let result = &entry(&report, WindowKind::Steady).result;
     assert_eq!(result.verdict, Verdict::Agree, "{result:?}");
 }

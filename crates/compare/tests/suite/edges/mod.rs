@@ -19,8 +19,8 @@ fn other(track: SharedModel, scale: f64) -> Participant {
     participant("other", track, time_series(scale))
 }
 
-fn entry(found: &Comparison, window: WindowKind) -> &PairEntry {
-    let mut entries = found.pairs[0].entries.iter();
+fn entry(comparison: &Comparison, window: WindowKind) -> &PairEntry {
+    let mut entries = comparison.pairs[0].entries.iter();
     entries
         .find(|e| e.quantity == FORCE && e.window == window)
         .unwrap()

@@ -13,9 +13,9 @@ use pinwheel_timeseries::TimeSeries;
 fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
     let time = time_series(1.0).time_s().to_vec();
     let values = (0..time.len()).map(values).collect();
-    let mut found = TimeSeries::new(time).unwrap();
-    found.push("input_torque_n_m", values).unwrap();
-    found
+    let mut series = TimeSeries::new(time).unwrap();
+    series.push("input_torque_n_m", values).unwrap();
+    series
 }
 
 /// Returns the evidence of a method of order 2 without kinks.
@@ -59,8 +59,8 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
             ..Rules::default()
         };
         let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
-        let found = compare(&context(), &one, &rules).unwrap();
-        let steady = found.engines[0].uncertainty.iter();
+        let comparison = compare(&context(), &one, &rules).unwrap();
+        let steady = comparison.engines[0].uncertainty.iter();
         let mut steady = steady.filter(|u| u.window == WindowKind::Steady);
         let basis = steady.next().unwrap().l2.estimate().unwrap().basis;
         assert_eq!(basis, wanted, "{cosine}");
@@ -83,8 +83,8 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
         ..Rules::default()
     };
     let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
-    let found = compare(&context(), &one, &rules).unwrap();
-    let mut steady = found.engines[0].uncertainty.iter();
+    let comparison = compare(&context(), &one, &rules).unwrap();
+    let mut steady = comparison.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     assert_eq!(
         steady.l2.estimate().unwrap().basis,
@@ -110,8 +110,8 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
         ..Rules::default()
     };
     let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
-    let found = compare(&parted, &one, &rules).unwrap();
-    let mut steady = found.engines[0].uncertainty.iter();
+    let comparison = compare(&parted, &one, &rules).unwrap();
+    let mut steady = comparison.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
     let u = steady.mean.estimate().unwrap();
     assert_eq!(u.basis, Basis::Spread);
@@ -184,8 +184,8 @@ fn a_figure_confirms_by_its_own_sign() {
             ..Rules::default()
         };
         let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
-        let found = compare(&context(), &one, &rules).unwrap();
-        let mut all = found.engines[0].uncertainty.iter();
+        let comparison = compare(&context(), &one, &rules).unwrap();
+        let mut all = comparison.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
         assert_eq!(steady.l2.estimate().unwrap().basis, Basis::Observed);
         steady.mean.estimate().unwrap().basis
@@ -200,8 +200,8 @@ fn a_figure_confirms_by_its_own_sign() {
 fn orders_of_tolerances_and_of_no_differences() {
     let step = |ratio: f64, difference: f64| order::Step { ratio, difference };
     let good = step(2.0, 1.0);
-    let seen = order::observed_order(good, step(2.0, 4.0)).unwrap();
-    assert!((seen - 2.0).abs() < 1e-12, "{seen}");
+    let order = order::observed_order(good, step(2.0, 4.0)).unwrap();
+    assert!((order - 2.0).abs() < 1e-12, "{order}");
     for bad in [
         step(2.0, 0.0),
         step(1.0, 1.0),
@@ -234,9 +234,9 @@ fn a_level_with_more_samples_is_refused() {
         ..Rules::default()
     };
     let pair = [native(), other(SharedModel::SharedLaw, 1.0)];
-    let found = compare(&context(), &pair, &rules).unwrap();
-    let told = format!("{:?}", entry(&found, WindowKind::Steady).result);
-    assert!(told.contains("other sample times"), "{told}");
+    let comparison = compare(&context(), &pair, &rules).unwrap();
+    let result = format!("{:?}", entry(&comparison, WindowKind::Steady).result);
+    assert!(result.contains("other sample times"), "{result}");
 }
 
 /// A relative size refers to the quantity's own size, and rounding is a share of it.
@@ -249,8 +249,8 @@ fn relative_sizes_are_of_the_quantity() {
             ..Rules::default()
         };
         let one = [participant("native", SharedModel::Native, torque(&|_| 2.0))];
-        let found = compare(&context(), &one, &rules).unwrap();
-        let mut all = found.engines[0].uncertainty.iter();
+        let comparison = compare(&context(), &one, &rules).unwrap();
+        let mut all = comparison.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
         steady.clone()
     };

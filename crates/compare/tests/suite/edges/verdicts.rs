@@ -23,8 +23,8 @@ fn an_unconfirmed_size_is_a_bound_at_twice_itself() {
         Basis::Tolerance,
         Basis::Series,
     ] {
-        let found = at(basis, 3e-3);
-        assert_eq!((found.verdict, found.bound), (Verdict::Agree, Some(4e-3)));
+        let pair = at(basis, 3e-3);
+        assert_eq!((pair.verdict, pair.bound), (Verdict::Agree, Some(4e-3)));
     }
     for basis in [Basis::Observed, Basis::Rounding, Basis::Stated] {
         let differ = at(basis, 3e-3);
@@ -48,7 +48,7 @@ fn what_is_blunt_is_inconclusive() {
         let [a, b] = ["a", "b"].map(|name| Side::known(name, estimate));
         verdict::pair(L2, distance, [&a, &b], 1e-3)
     };
-    let blunt = |found: Assessment| found.verdict == Verdict::Inconclusive;
+    let blunt = |assessment: Assessment| assessment.verdict == Verdict::Inconclusive;
     assert!(blunt(at(Basis::Observed, 1e-3)) && blunt(at(Basis::Unconfirmed, 1e-3)));
     assert!(blunt(at(Basis::Unconfirmed, 9e-3)));
     assert_eq!(at(Basis::Observed, 9e-3).verdict, Verdict::Differ);
@@ -111,11 +111,11 @@ fn the_blunter_side_is_to_be_refined() {
             ..Estimate::stated(u)
         };
         let [a, b] = [("a", 5e-3), ("b", of_b)].map(|(name, u)| Side::known(name, of(u)));
-        let told = |found: Assessment| (found.participant.unwrap(), found.remedy);
-        let found = told(verdict::pair(L2, 1e-3, [&a, &b], 2e-3));
-        assert_eq!(found, told(verdict::pair(L2, 1e-3, [&b, &a], 2e-3)));
-        assert_eq!(found.0, "a");
-        found.1
+        let named = |assessment: Assessment| (assessment.participant.unwrap(), assessment.remedy);
+        let advice = named(verdict::pair(L2, 1e-3, [&a, &b], 2e-3));
+        assert_eq!(advice, named(verdict::pair(L2, 1e-3, [&b, &a], 2e-3)));
+        assert_eq!(advice.0, "a");
+        advice.1
     };
     assert_eq!(at(5e-4), "refine a 3.4 times");
     assert_eq!(at(1.9e-3), "refine a 5 times");

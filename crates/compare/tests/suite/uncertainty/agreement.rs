@@ -19,8 +19,8 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
         4.0,
         &[2.0, 4.0],
     );
-    let found = compared(&anywhere(), vec![native(1e-4), peer]);
-    let entry = entry(&found, FORCE);
+    let check = compared(&anywhere(), vec![native(1e-4), peer]);
+    let entry = entry(&check, FORCE);
     let judgement = &entry.assessments[0];
     assert_eq!(
         (judgement.metric, judgement.decides),
@@ -36,12 +36,12 @@ fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     let result = (entry.result.verdict, entry.result.bound);
     assert_eq!(result, (Verdict::Agree, Some(u_a + u_b)));
     assert!(judgement.difference.unwrap() < u_a);
-    assert_eq!((found.passed, found.counts.exit_status()), (true, 0));
+    assert_eq!((check.passed, check.counts.exit_status()), (true, 0));
     // Every quantity and window is resolved; each engine has its uncertainties.
-    let alone = found.engines.iter().map(|e| e.judged.len()).sum::<usize>();
-    assert_eq!(found.counts.agree, found.pairs[0].entries.len() + alone);
-    let own = &found.engines[0].uncertainty;
-    assert_eq!(own.len(), found.windows.len() * found.quantities.len());
+    let alone = check.engines.iter().map(|e| e.judged.len()).sum::<usize>();
+    assert_eq!(check.counts.agree, check.pairs[0].entries.len() + alone);
+    let own = &check.engines[0].uncertainty;
+    assert_eq!(own.len(), check.windows.len() * check.quantities.len());
     assert_eq!(own[0].l2.estimate().unwrap().basis, Basis::Observed);
     assert!((own[0].l2.estimate().unwrap().observed_order.unwrap() - 2.0).abs() < 0.01);
 }
@@ -57,12 +57,12 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
         2.0,
         &[2.0, 4.0],
     );
-    let found = compared(&anywhere(), vec![native(1e-5), fault]);
-    let result = &entry(&found, FORCE).result;
+    let check = compared(&anywhere(), vec![native(1e-5), fault]);
+    let result = &entry(&check, FORCE).result;
     assert_eq!(result.verdict, Verdict::Differ);
     let at_least = result.difference.unwrap() - result.bound.unwrap();
     assert!((0.9e-3..1e-3).contains(&at_least), "{at_least}");
-    assert_eq!(found.counts.exit_status(), 1);
+    assert_eq!(check.counts.exit_status(), 1);
     // A study as coarse as the fault cannot detect it, and states the bound of agreement.
     let blunt = engine(
         "peer",
@@ -72,8 +72,8 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
         2.0,
         &[2.0, 4.0],
     );
-    let found = compared(&anywhere(), vec![native(1e-5), blunt]);
-    let result = &entry(&found, FORCE).result;
+    let check = compared(&anywhere(), vec![native(1e-5), blunt]);
+    let result = &entry(&check, FORCE).result;
     assert_eq!(result.verdict, Verdict::Agree);
     assert!(result.bound.unwrap() > 1e-3);
 }
@@ -105,14 +105,14 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
             adaptive("native-lagrange", [-2e-4, 2.9e-3, 2.2e-2]),
         ]
     };
-    let found = compared(&anywhere(), list());
-    let entry = entry(&found, FORCE);
+    let check = compared(&anywhere(), list());
+    let entry = entry(&check, FORCE);
     let distance = entry.assessments[0].difference.unwrap();
     assert!((4e-4..7e-4).contains(&distance), "{distance}");
     assert_eq!(entry.result.verdict, Verdict::Agree);
     assert!(entry.result.bound.unwrap() < 5e-3, "{:?}", entry.result);
-    assert_eq!(found.counts.exit_status(), 0);
-    let basis = found.engines[0].uncertainty[0].l2.estimate().unwrap().basis;
+    assert_eq!(check.counts.exit_status(), 0);
+    let basis = check.engines[0].uncertainty[0].l2.estimate().unwrap().basis;
     assert_eq!(basis, Basis::Tolerance);
 }
 
@@ -153,18 +153,18 @@ fn regress_coarse_runs_far_apart_are_never_within() {
                 Evidence::refinement(name, ladder),
             )
         };
-        let found = compared(
+        let check = compared(
             &anywhere(),
             vec![coarse("native-reduced", 10), coarse("native-lagrange", 20)],
         );
-        for entry in &found.pairs[0].entries {
+        for entry in &check.pairs[0].entries {
             let verdict = entry.result.verdict;
             assert_eq!(verdict, Verdict::Inconclusive, "{levels}: {entry:?}");
         }
-        assert_eq!(found.counts.exit_status(), 4);
-        let of_pairs = found.pairs[0].entries.iter().map(|e| e.result.verdict);
-        assert!(of_pairs.eq(found.pairs[0].entries.iter().map(|_| Verdict::Inconclusive)));
-        let cell = &found.matrices[0].cells[0].result;
+        assert_eq!(check.counts.exit_status(), 4);
+        let of_pairs = check.pairs[0].entries.iter().map(|e| e.result.verdict);
+        assert!(of_pairs.eq(check.pairs[0].entries.iter().map(|_| Verdict::Inconclusive)));
+        let cell = &check.matrices[0].cells[0].result;
         assert_eq!(cell.verdict.word(), "inconclusive");
     }
     // Without any uncertainty nothing is compared.
@@ -172,8 +172,8 @@ fn regress_coarse_runs_far_apart_are_never_within() {
         participant("native", SharedModel::Native, wild(1)),
         participant("native-b", SharedModel::Native, wild(2)),
     ];
-    let found = compare(&anywhere(), &pair, &Rules::default()).unwrap();
-    let judged = found.pairs[0]
+    let check = compare(&anywhere(), &pair, &Rules::default()).unwrap();
+    let judged = check.pairs[0]
         .entries
         .iter()
         .any(|e| e.result.verdict != Verdict::NotCompared);
@@ -182,7 +182,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
 
 /// With friction, 5 % more stiffness in one native engine was once "3 of 3 within".
 #[test]
-fn regress_a_fault_under_friction_is_seen() {
+fn regress_a_fault_under_friction_is_detected() {
     let rough = Context {
         friction_coefficient: 0.1,
         ..anywhere()
@@ -195,8 +195,8 @@ fn regress_a_fault_under_friction_is_seen() {
         1.0,
         &[2.0, 4.0],
     );
-    let found = compared(&rough, vec![native(1e-4), fault]);
-    let result = &entry(&found, FORCE).result;
+    let check = compared(&rough, vec![native(1e-4), fault]);
+    let result = &entry(&check, FORCE).result;
     assert_eq!(result.verdict, Verdict::Differ);
     assert!(result.difference.unwrap() - result.bound.unwrap() > 0.045);
 }
@@ -219,12 +219,12 @@ fn rounding_alone_agrees() {
         }
     }
     a.time_series = time_series(1.0);
-    let found = compared(&anywhere(), vec![(a, ladder_a), (b, ladder_b)]);
-    let result = &entry(&found, FORCE).result;
+    let check = compared(&anywhere(), vec![(a, ladder_a), (b, ladder_b)]);
+    let result = &entry(&check, FORCE).result;
     assert_eq!(result.verdict, Verdict::Agree);
     assert!(result.bound.unwrap() < 1e-11);
     assert_eq!(
-        found.engines[0].uncertainty[0].l2.estimate().unwrap().basis,
+        check.engines[0].uncertainty[0].l2.estimate().unwrap().basis,
         Basis::Rounding
     );
 }
@@ -281,16 +281,16 @@ fn similar_gears_have_the_same_verdicts() {
             scales: if stated { scales } else { Scales::default() },
             ..anywhere()
         };
-        let found = compared(&context, list);
-        let words: Vec<String> = found.pairs[0]
+        let check = compared(&context, list);
+        let words: Vec<String> = check.pairs[0]
             .entries
             .iter()
             .map(|e| e.result.verdict.word().to_owned())
             .collect();
         (
             words,
-            found.counts,
-            found.engines[0].judged[0].result.verdict,
+            check.counts,
+            check.engines[0].judged[0].result.verdict,
         )
     };
     for peer in [1.0, 1.01, 1e-14] {

@@ -20,7 +20,7 @@ fn a_participant_without_evidence_is_named() {
         &[],
     );
     let (own, study) = native(1e-5);
-    let found = |peer: Option<Source>| {
+    let with_peer = |peer: Option<Source>| {
         let mut evidence = vec![study.clone()];
         evidence.extend(peer.map(|source| Evidence {
             engine: "peer".to_owned(),
@@ -31,22 +31,22 @@ fn a_participant_without_evidence_is_named() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let found = compare(&anywhere(), &[own.clone(), bare.clone()], &rules).unwrap();
-        let result = entry(&found, FORCE).result.clone();
-        (result, found)
+        let comparison = compare(&anywhere(), &[own.clone(), bare.clone()], &rules).unwrap();
+        let result = entry(&comparison, FORCE).result.clone();
+        (result, comparison)
     };
-    let named = |found: &Assessment, words: &str| {
-        found.verdict == Verdict::Inconclusive
-            && found.participant.as_deref() == Some("peer")
-            && found.reason.contains(words)
-            && !found.remedy.is_empty()
+    let named = |assessment: &Assessment, words: &str| {
+        assessment.verdict == Verdict::Inconclusive
+            && assessment.participant.as_deref() == Some("peer")
+            && assessment.reason.contains(words)
+            && !assessment.remedy.is_empty()
     };
-    assert!(named(&found(None).0, "not known"));
+    assert!(named(&with_peer(None).0, "not known"));
     let unknown = Source::Unknown(Unresolved {
         reason: "its recording says nothing of its error".to_owned(),
         remedy: "run it live".to_owned(),
     });
-    assert!(named(&found(Some(unknown)).0, "recording says nothing"));
+    assert!(named(&with_peer(Some(unknown)).0, "recording says nothing"));
     let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
         Source::Refinement(Ladder {
             method: Method::Tolerance { order: 1.0 },
@@ -60,18 +60,18 @@ fn a_participant_without_evidence_is_named() {
         })
     };
     let failed = ladder_of(Err("diverged at t = 0.01 s".to_owned()), 10.0);
-    assert!(named(&found(Some(failed)).0, "diverged at t = 0.01 s"));
+    assert!(named(&with_peer(Some(failed)).0, "diverged at t = 0.01 s"));
     let few: Vec<usize> = (0..600).collect();
     assert!(named(
-        &found(Some(ladder_of(Ok(time_series(1.0).select(&few)), 10.0))).0,
+        &with_peer(Some(ladder_of(Ok(time_series(1.0).select(&few)), 10.0))).0,
         "sample times"
     ));
     assert!(named(
-        &found(Some(ladder_of(Ok(time_series(1.0)), 1.0))).0,
+        &with_peer(Some(ladder_of(Ok(time_series(1.0)), 1.0))).0,
         "refinement 1"
     ));
     assert!(named(
-        &found(Some(ladder_of(
+        &with_peer(Some(ladder_of(
             Ok(TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap()),
             2.0
         )))
@@ -79,9 +79,9 @@ fn a_participant_without_evidence_is_named() {
         "lacks"
     ));
     // A closed form, and uncertainties stored with a recording.
-    let exact = found(Some(Source::Exact(1e-12))).0.verdict;
+    let exact = with_peer(Some(Source::Exact(1e-12))).0.verdict;
     assert!(matches!(exact, Verdict::Agree | Verdict::Differ));
-    let (_, live) = found(Some(
+    let (_, live) = with_peer(Some(
         engine(
             "peer",
             SharedModel::SharedLaw,
@@ -96,10 +96,10 @@ fn a_participant_without_evidence_is_named() {
     let window = |kind| live.windows.iter().find(|w| w.kind == kind).unwrap();
     let list = live.engines[1].uncertainty.iter();
     let list = list.map(|known| known.to_record(window(known.window)));
-    let recorded = found(Some(Source::Recorded(list.collect()))).0;
+    let recorded = with_peer(Some(Source::Recorded(list.collect()))).0;
     assert_eq!(recorded, entry(&live, FORCE).result);
     assert!(named(
-        &found(Some(Source::Recorded(Vec::new()))).0,
+        &with_peer(Some(Source::Recorded(Vec::new()))).0,
         "recording holds no"
     ));
 }
@@ -130,8 +130,8 @@ fn a_level_at_every_other_sample_is_compared_there() {
         *run = run.select(&rows);
     }
     let known = |evidence| {
-        let found = uncertainties(&anywhere(), &finest, evidence);
-        found.into_iter().map(|(_, known)| known.l2.u().unwrap())
+        let list = uncertainties(&anywhere(), &finest, evidence);
+        list.into_iter().map(|(_, known)| known.l2.u().unwrap())
     };
     let both: Vec<(f64, f64)> = known(&all).zip(known(&thin)).collect();
     assert!(both.len() >= 4, "{both:?}");

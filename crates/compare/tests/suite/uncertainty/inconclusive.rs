@@ -27,20 +27,20 @@ fn hard_chaos_leaves_nothing_to_act_on() {
             &[2.0, 4.0],
         )
     };
-    let found = compared(&chaotic, vec![native(0.3), peer()]);
+    let comparison = compared(&chaotic, vec![native(0.3), peer()]);
     assert!(
-        found.counts.inconclusive > 0 && found.counts.inconclusive_actionable == 0,
+        comparison.counts.inconclusive > 0 && comparison.counts.inconclusive_actionable == 0,
         "{:?}",
-        found.counts
+        comparison.counts
     );
-    assert_eq!(found.counts.exit_status(), 0);
+    assert_eq!(comparison.counts.exit_status(), 0);
     // A wide difference before the horizon is a failure.
-    let found = compared(&anywhere(), vec![native(0.3), peer()]);
+    let comparison = compared(&anywhere(), vec![native(0.3), peer()]);
     assert!(
-        found.counts.inconclusive_actionable == found.counts.inconclusive
-            && found.counts.exit_status() == 4,
+        comparison.counts.inconclusive_actionable == comparison.counts.inconclusive
+            && comparison.counts.exit_status() == 4,
         "{:?}",
-        found.counts
+        comparison.counts
     );
 }
 
@@ -85,11 +85,11 @@ fn hard_a_bounce_that_coarser_runs_miss() {
     );
     let (mut seeing, mut study) = native(1e-6);
     seeing.time_series = bounce(seeing.time_series);
-    let found = compared(
+    let comparison = compared(
         &anywhere(),
         vec![exact.clone(), (seeing.clone(), study.clone())],
     );
-    let result = &entry(&found, FORCE).result;
+    let result = &entry(&comparison, FORCE).result;
     let named = (result.verdict, result.participant.as_deref());
     assert_eq!(
         named,
@@ -100,9 +100,9 @@ fn hard_a_bounce_that_coarser_runs_miss() {
         let fine = study.coarser[0].run.clone().unwrap();
         study.coarser[0].run = Ok(bounce(fine));
     }
-    let found = compared(&anywhere(), vec![exact, (seeing, study)]);
+    let comparison = compared(&anywhere(), vec![exact, (seeing, study)]);
     // The coarsest run misses it: accidental super-convergence, which costs accuracy and nothing else.
-    let estimate = *found.engines[1]
+    let estimate = *comparison.engines[1]
         .uncertainty
         .iter()
         .find(|u| u.quantity == FORCE)
@@ -111,5 +111,5 @@ fn hard_a_bounce_that_coarser_runs_miss() {
         .estimate()
         .unwrap();
     assert_eq!(estimate.basis, Basis::Unconfirmed);
-    assert_ne!(entry(&found, FORCE).result.verdict, Verdict::Differ);
+    assert_ne!(entry(&comparison, FORCE).result.verdict, Verdict::Differ);
 }

@@ -38,16 +38,16 @@ fn own_contact_is_an_interval_against_a_prediction() {
         compared(&anywhere(), vec![(native, evidence), own])
     };
     // The law creates 0.95 % of the power: the conservative bed needs more torque by as much.
-    let found = run(1.0095, Some(0.0095), 1e-5);
-    let of_torque = |found: &Comparison| entry(found, TORQUE).assessments[0].clone();
-    let torque = of_torque(&found);
+    let comparison = run(1.0095, Some(0.0095), 1e-5);
+    let of_torque = |comparison: &Comparison| entry(comparison, TORQUE).assessments[0].clone();
+    let torque = of_torque(&comparison);
     assert_eq!(
         (torque.verdict, torque.predicted, torque.tolerance),
         (Verdict::Agree, -0.0095, Some(5e-3))
     );
     let [low, high] = torque.interval().unwrap();
     // With a stated tolerance no other metric is judged.
-    let judged = &entry(&found, TORQUE).assessments;
+    let judged = &entry(&comparison, TORQUE).assessments;
     assert!(judged.iter().all(|j| j.tolerance.is_some()), "{judged:?}");
     let difference = -0.0095 / 1.0095;
     assert!(
@@ -100,10 +100,10 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     );
     let (mut native, evidence) = native(1e-5);
     native.cost.energy = vec![account(0.0)];
-    let found = compared(&anywhere(), vec![(native, evidence), own]);
-    let metrics = entry(&found, FORCE).metrics.as_ref().unwrap();
+    let comparison = compared(&anywhere(), vec![(native, evidence), own]);
+    let metrics = entry(&comparison, FORCE).metrics.as_ref().unwrap();
     assert!(metrics.relative_l2.unwrap() > 0.4);
-    let cell = found.matrices[0].cell(0, 1).unwrap();
+    let cell = comparison.matrices[0].cell(0, 1).unwrap();
     assert_eq!(cell.result.verdict, Verdict::Agree);
     assert_eq!(cell.result.metric, Some(Metric::Mean));
     assert!(cell.result.difference.unwrap() < 0.05 && cell.force.unwrap() > 0.4);
@@ -118,8 +118,8 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     );
     let (mut native, evidence) = super::native(1e-5);
     native.cost.energy = vec![account(0.0)];
-    let found = compared(&anywhere(), vec![(native, evidence), far]);
-    let cell = found.matrices[0].cell(0, 1).unwrap();
+    let comparison = compared(&anywhere(), vec![(native, evidence), far]);
+    let cell = comparison.matrices[0].cell(0, 1).unwrap();
     assert_eq!(cell.result.verdict, Verdict::Differ);
     assert!((cell.result.difference.unwrap().abs() - 0.3 / 1.3).abs() < 1e-4);
 }
@@ -142,8 +142,8 @@ fn measured_data_get_a_budget() {
         data: 0.004,
         input: 0.003,
     };
-    let found = run(1.009, std::slice::from_ref(&stated));
-    let judgement = &entry(&found, FORCE).assessments[0];
+    let comparison = run(1.009, std::slice::from_ref(&stated));
+    let judgement = &entry(&comparison, FORCE).assessments[0];
     let budget = judgement.budget.unwrap();
     assert!((budget.validation() - 0.005).abs() < 1e-5, "{budget:?}");
     // Each side's own uncertainty: the simulation's numerics, the rig's statement.
@@ -152,17 +152,17 @@ fn measured_data_get_a_budget() {
         judgement.u_a.is_some_and(|u| u > 1e-4 && u < 2e-4),
         "{judgement:?}"
     );
-    let result = &entry(&found, FORCE).result;
+    let result = &entry(&comparison, FORCE).result;
     assert_eq!(result.verdict, Verdict::Agree);
     assert!((result.bound.unwrap() - 0.01).abs() < 1e-5);
-    let nothing = entry(&found, TORQUE).result.verdict;
+    let nothing = entry(&comparison, TORQUE).result.verdict;
     assert_eq!(nothing, Verdict::NotCompared, "nothing stated of it");
-    let found = run(1.02, std::slice::from_ref(&stated));
-    assert_eq!(entry(&found, FORCE).result.verdict, Verdict::Differ);
-    let [low, high] = entry(&found, FORCE).result.interval().unwrap();
+    let comparison = run(1.02, std::slice::from_ref(&stated));
+    assert_eq!(entry(&comparison, FORCE).result.verdict, Verdict::Differ);
+    let [low, high] = entry(&comparison, FORCE).result.interval().unwrap();
     assert!((high - low - 0.02).abs() < 1e-4 && low > 0.009);
     // The simulation's mean is the smaller one: E = S - D < 0, in either order.
-    let mean = entry(&found, FORCE)
+    let mean = entry(&comparison, FORCE)
         .assessments
         .iter()
         .find(|j| j.metric == Some(Metric::Mean))
@@ -172,7 +172,7 @@ fn measured_data_get_a_budget() {
         "{mean:?}"
     );
     assert_eq!(
-        (found.counts.differ, found.counts.exit_status()),
+        (comparison.counts.differ, comparison.counts.exit_status()),
         (2, 0),
         "steady and transient; a model error is a result, not a failure"
     );
@@ -183,8 +183,8 @@ fn measured_data_get_a_budget() {
         data: &[stated],
         ..Rules::default()
     };
-    let found = compare(&anywhere(), &[rig, simulation], &rules).unwrap();
-    let mut judged = entry(&found, FORCE).assessments.iter();
+    let comparison = compare(&anywhere(), &[rig, simulation], &rules).unwrap();
+    let mut judged = entry(&comparison, FORCE).assessments.iter();
     let mean = judged.find(|j| j.metric == Some(Metric::Mean)).unwrap();
     assert!(
         (mean.difference.unwrap() + 0.02 / 1.02).abs() < 1e-3,
@@ -232,8 +232,8 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
 #[test]
 fn undefined_efficiencies_have_a_reason() {
     let of = |context: &Context| {
-        let found = compare(context, &[native(0.0).0], &Rules::default()).unwrap();
-        let figures = found.engines[0].figures[0].clone();
+        let comparison = compare(context, &[native(0.0).0], &Rules::default()).unwrap();
+        let figures = comparison.engines[0].figures[0].clone();
         (
             figures.efficiency,
             figures.efficiency_reason.unwrap_or_default(),
@@ -283,8 +283,8 @@ fn undefined_efficiencies_have_a_reason() {
     let with = |created: f64| {
         let mut run = native(0.0).0;
         run.cost.energy = vec![account(created)];
-        let found = compare(&rubs, &[run], &Rules::default()).unwrap();
-        found.engines[0].figures[0].clone()
+        let comparison = compare(&rubs, &[run], &Rules::default()).unwrap();
+        comparison.engines[0].figures[0].clone()
     };
     let creates = with(0.0095);
     let why = creates.efficiency_reason.unwrap();

@@ -70,14 +70,14 @@ fn crossval_series_and_figures_are_covered() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let found = compare(&anywhere(), &list, &rules).unwrap();
-        for (entry, own) in found.pairs[0]
+        let comparison = compare(&anywhere(), &list, &rules).unwrap();
+        for (entry, own) in comparison.pairs[0]
             .entries
             .iter()
-            .zip(&found.engines[0].uncertainty)
+            .zip(&comparison.engines[0].uncertainty)
         {
             let figures = |k: usize| {
-                let figures = found.engines[k]
+                let figures = comparison.engines[k]
                     .figures
                     .iter()
                     .find(|f| f.window == entry.window)

@@ -91,13 +91,13 @@ fn implicit_friction_is_the_same_in_both_forms() {
         let n = free.len();
         for (k, body) in free.iter().enumerate() {
             let at = 12 + 3 * body + 2;
-            for (what, found, expected) in [
+            for (what, actual, expected) in [
                 ("rate", z[at], y[n + k]),
                 ("slope of the angle", f[at - 12], e[k]),
                 ("explicit part", f[at], e[n + k]),
                 ("implicit part", j[at], i[n + k]),
             ] {
-                let off = (found - expected).abs() / expected.abs().max(1.0);
+                let off = (actual - expected).abs() / expected.abs().max(1.0);
                 holds(&format!("{driven} {a} {body}"), what, off, ..1e-10);
             }
             assert!(i[n + k] != 0.0, "body {body} slides");
@@ -107,8 +107,8 @@ fn implicit_friction_is_the_same_in_both_forms() {
         // Velocities of carried bodies follow from the hub's rate after friction.
         let hub = z[14];
         for (body, [x, y]) in [(1, [0.6, 0.2]), (2, [-0.3, 0.4])] {
-            for (found, expected) in [(z[12 + 3 * body], -hub * y), (z[13 + 3 * body], hub * x)] {
-                let off = (found - expected).abs();
+            for (actual, expected) in [(z[12 + 3 * body], -hub * y), (z[13 + 3 * body], hub * x)] {
+                let off = (actual - expected).abs();
                 holds(
                     &format!("{driven} {a}"),
                     "speed of a centre, m/s",

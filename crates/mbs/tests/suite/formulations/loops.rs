@@ -143,8 +143,8 @@ fn loops_are_closed_from_a_distance() {
         [-2.0 * s, 2.0 * c, 0.0],
         [-s, c, 2.0],
     ];
-    for (k, (found, expected)) in y.iter().zip(expected.iter().flatten()).enumerate() {
-        let off = (found - expected).abs();
+    for (k, (actual, expected)) in y.iter().zip(expected.iter().flatten()).enumerate() {
+        let off = (actual - expected).abs();
         holds("projection", &format!("error of y[{k}]"), off, ..1e-12);
     }
     holds(

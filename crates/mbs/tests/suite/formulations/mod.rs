@@ -150,8 +150,8 @@ fn reduced_and_lagrange_form_move_alike() {
             .unwrap()
             .to_vec();
         assert_eq!(reduced.joint_error(1.0, &y), 0.0);
-        let seen = reduced.observe(1.0, &y, Detail::Everything);
-        for (a, b) in seen.bodies.iter().zip(&bodies) {
+        let observed = reduced.observe(1.0, &y, Detail::Everything);
+        for (a, b) in observed.bodies.iter().zip(&bodies) {
             for (what, a, b) in [
                 ("x", a.x, b.x),
                 ("y", a.y, b.y),
@@ -168,11 +168,11 @@ fn reduced_and_lagrange_form_move_alike() {
                 );
             }
         }
-        for (a, b) in seen.driver_torques.iter().zip(&torques) {
+        for (a, b) in observed.driver_torques.iter().zip(&torques) {
             assert_relative_eq!(a, b, max_relative = 1e-11);
         }
-        let found = seen.reactions.unwrap().iter().flatten();
-        for (a, b) in found.zip(reactions.iter().flatten()) {
+        let actual = observed.reactions.unwrap().iter().flatten();
+        for (a, b) in actual.zip(reactions.iter().flatten()) {
             assert_relative_eq!(a, b, max_relative = 1e-10);
         }
     }
@@ -226,7 +226,7 @@ fn free_fall_of_a_compound_pendulum_keeps_its_energy() {
 }
 
 #[test]
-fn what_cannot_be_reduced_is_said() {
+fn what_cannot_be_reduced_is_refused() {
     let mut m = carousel(false);
     m.revolutes[1].child_point = [0.1, 0.0];
     let forces = weight(&m);
@@ -255,12 +255,12 @@ fn what_cannot_be_reduced_is_said() {
             m.drivers[0].parent = Some(3)
         }),
     ];
-    for (said, change) in changes {
+    for (reason, change) in changes {
         let mut m = carousel(true);
         change(&mut m);
         let forces = weight(&m);
-        let error = Reduced::new(m, forces, &[]).err().expect(said);
-        assert!(error.to_string().contains(said), "{error}");
+        let error = Reduced::new(m, forces, &[]).err().expect(reason);
+        assert!(error.to_string().contains(reason), "{error}");
     }
 }
 
@@ -325,8 +325,8 @@ fn baumgartes_feedback_is_that_of_a_critically_damped_oscillator() {
         let joint = system.joint_error(end, &y);
         let driver = y[2] - (2.0 * end - 0.35 * end * end);
         // Measured: 4e-6 of the initial error, by RK4 at a twentieth of 1/b.
-        for (what, found) in [("joint", joint), ("driver", driver)] {
-            let off = (found - wanted).abs() / OFF;
+        for (what, error) in [("joint", joint), ("driver", driver)] {
+            let off = (error - wanted).abs() / OFF;
             holds("rk4", &format!("{what}, share of its start"), off, ..2e-5);
         }
     }
@@ -377,8 +377,8 @@ fn idle_bodies_turn_uniformly() {
     let mut system = Reduced::new(m.clone(), weight(&m), &[3]).unwrap();
     assert_eq!((system.degrees_of_freedom(), system.dimension()), (2, 4));
     let y = system.initial();
-    let seen = system.observe(0.5, &y, Detail::Everything).bodies[3];
-    assert_eq!((seen.angle, seen.rate), (0.9, 1.0));
+    let observed = system.observe(0.5, &y, Detail::Everything).bodies[3];
+    assert_eq!((observed.angle, observed.rate), (0.9, 1.0));
 }
 
 /// An observation of the reduced form belongs to the requested state alone, with its own motion, after any previous evaluation.
@@ -392,10 +392,10 @@ fn what_is_observed_is_of_the_state_asked_for() {
     for (t, y) in [(0.0, &y), (0.2, &y), (0.2, &z), (0.0, &z)] {
         let mut other = fresh();
         let expected = other.observe(t, y, Detail::Everything);
-        let seen = system.observe(t, y, Detail::Everything);
-        assert_eq!(seen.bodies, expected.bodies);
-        assert_eq!(seen.loads, expected.loads);
-        assert_eq!(seen.driver_torques, expected.driver_torques);
+        let observed = system.observe(t, y, Detail::Everything);
+        assert_eq!(observed.bodies, expected.bodies);
+        assert_eq!(observed.loads, expected.loads);
+        assert_eq!(observed.driver_torques, expected.driver_torques);
         let (mut derivatives, mut same) = (vec![0.0; y.len()], vec![0.0; y.len()]);
         other.derivative(t, y, &mut derivatives);
         system.derivative_at_end(t, y, true, &mut same);
@@ -476,7 +476,7 @@ fn free_bodies_are_projected_nowhere() {
         for (k, y) in y.iter_mut().enumerate().filter(|(k, _)| k / 3 % 5 == 4) {
             *y = 0.1 * (k as f64 + 1.0);
         }
-        let (mut derivatives, seen) = (
+        let (mut derivatives, observed) = (
             vec![0.0; y.len()],
             system.observe(0.0, &y, Detail::Everything).bodies[4],
         );
@@ -485,7 +485,7 @@ fn free_bodies_are_projected_nowhere() {
         (
             derivatives[12..15].to_vec(),
             derivatives[27..].to_vec(),
-            seen,
+            observed,
             y[12..15].to_vec(),
         )
     };
@@ -554,8 +554,8 @@ fn kinetic_energy_is_half_of_mass_times_square() {
         ..Mechanism::default()
     };
     let expected = 0.5 * (3.3 * (0.04 + 0.49) + 0.6 * 1.69);
-    let found = m.kinetic_j(&[state; 2]);
-    assert_relative_eq!(found, expected, max_relative = 1e-15);
+    let energy = m.kinetic_j(&[state; 2]);
+    assert_relative_eq!(energy, expected, max_relative = 1e-15);
 }
 
 /// Force to the side and down on every body, and a moment that depends on the segment.
@@ -660,8 +660,8 @@ fn two_drivers_do_the_same_in_both_forms() {
     let mut moved = y.clone();
     moved[0] += 0.1;
     let moments = |reduced: &mut Reduced<Wind>, y: &[f64]| {
-        let seen = reduced.observe(0.0, y, Detail::Everything);
-        seen.loads.iter().map(|load| load.moment).sum::<f64>()
+        let observed = reduced.observe(0.0, y, Detail::Everything);
+        observed.loads.iter().map(|load| load.moment).sum::<f64>()
     };
     let (before, after) = (moments(&mut reduced, &y), moments(&mut reduced, &moved));
     assert!((after - before + 0.2).abs() < 1e-12, "{before} {after}");

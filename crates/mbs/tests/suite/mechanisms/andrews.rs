@@ -166,8 +166,8 @@ pub(crate) fn andrews() -> Problem {
     }
 }
 
-fn read(seen: &Observation<'_>) -> Vec<f64> {
-    let b = seen.bodies;
+fn read(observed: &Observation<'_>) -> Vec<f64> {
+    let b = observed.bodies;
     let of = |get: fn(&BodyState) -> f64| {
         let a: Vec<f64> = b.iter().map(get).collect();
         [
@@ -181,7 +181,7 @@ fn read(seen: &Observation<'_>) -> Vec<f64> {
         ]
     };
     let mut values: Vec<f64> = of(|s| s.angle).into_iter().chain(of(|s| s.rate)).collect();
-    if let Some(reactions) = seen.reactions {
+    if let Some(reactions) = observed.reactions {
         values.extend(reactions[AT_P..].iter().flatten());
     }
     values

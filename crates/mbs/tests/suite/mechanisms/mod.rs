@@ -66,9 +66,9 @@ impl Problem {
             }
             stepper.interpolate(&mut system, t, &mut y);
             joint_error = joint_error.max(system.joint_error(t, &y));
-            let seen = system.observe(t, &y, Detail::Everything);
-            values.push((self.read)(&seen));
-            energy.push(seen.kinetic_j + self.loads.potential(seen.bodies));
+            let observed = system.observe(t, &y, Detail::Everything);
+            values.push((self.read)(&observed));
+            energy.push(observed.kinetic_j + self.loads.potential(observed.bodies));
         }
         Ok(Solved {
             values,

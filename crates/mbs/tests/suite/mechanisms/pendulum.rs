@@ -41,8 +41,8 @@ pub(crate) fn pendulum() -> Problem {
     }
 }
 
-fn read(seen: &Observation<'_>) -> Vec<f64> {
-    let b = seen.bodies[0];
+fn read(observed: &Observation<'_>) -> Vec<f64> {
+    let b = observed.bodies[0];
     let (s, c) = b.angle.sin_cos();
     let (ax, ay) = (0.5 * c, 0.5 * s);
     vec![b.x + ax, b.y + ay, b.vx - b.rate * ay, b.vy + b.rate * ax]

@@ -31,11 +31,11 @@ pub(crate) fn numbers(table: &Table, key: &str) -> Vec<f64> {
 }
 
 /// Returns the largest deviation.
-pub(crate) fn worst(found: &[f64], exact: &[f64]) -> f64 {
-    assert_eq!(found.len(), exact.len());
+pub(crate) fn worst(actual: &[f64], exact: &[f64]) -> f64 {
+    assert_eq!(actual.len(), exact.len());
     let one = |(f, e): (&f64, &f64)| (f - e).abs();
     // Not `fold(max)`, which would ignore NaN.
-    found
+    actual
         .iter()
         .zip(exact)
         .map(one)

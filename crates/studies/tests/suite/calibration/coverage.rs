@@ -1,9 +1,9 @@
-//! Calibration of verdicts: the stated uncertainties held against true errors.
+//! Calibration of verdicts: stated uncertainties against true errors.
 //!
-//! [`run`] lets every engine run gears as a comparison does, with its refinement, and holds each stated u
-//! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
-//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. All engines have the same gear and
-//! law: where a comparison of them says *differ*, that is a false alarm.
+//! [`run`] runs gears on every engine as a comparison does, with refinement, and compares each stated u with the distance to a
+//! converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u is at least that distance;
+//! sharpness is u over that distance, ideally 1. All engines have the same gear and law, so a verdict *differ* between them is a
+//! false alarm.
 
 use std::collections::BTreeMap;
 
@@ -26,23 +26,23 @@ pub(crate) struct Input {
     pub(crate) scenes: Vec<CheckedScene>,
     /// Engines, all of the native or the shared-law track.
     pub(crate) engines: Vec<String>,
-    /// How much every engine does for sharp statements.
+    /// Effort of every engine for sharp statements.
     pub(crate) effort: Effort,
 }
 
-/// Least share of the errors that are to be within what was stated.
+/// Required share of errors within their stated uncertainty.
 pub(crate) const COVERAGE: f64 = 0.95;
-/// Bound of the median ratio of stated uncertainty and error. Measured: 12.7 on 60 random gears, 16.0 on those of the
-/// tests. It was 8.6 and 8.1, and the limit 10, while runs at several tolerances that were wrong alike stated less than
-/// they were off.
+/// Limit of the median ratio of stated uncertainty to error. Measured: 12.7 on 60 random gears, 16.0 on those of the tests. Earlier
+/// values were 8.6 and 8.1, with a limit of 10, when runs with a common error at several tolerances stated too little
+/// uncertainty.
 pub(crate) const SHARPNESS: f64 = 20.0;
 
-/// A reference is one where it is itself known this much better than what is held against it.
+/// Largest uncertainty of a reference, as a share of the uncertainty judged by it.
 const TRUTH: f64 = 0.1;
 /// Name of the reference among the participants.
 const NAME: &str = "reference";
 
-/// One stated uncertainty and the error it was stated for, both as shares of the quantity's size.
+/// Stated uncertainty and true error, both as shares of the quantity's size.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Case {
     /// The engine.
@@ -55,9 +55,9 @@ pub(crate) struct Case {
     pub(crate) window: WindowKind,
     /// The figure: the series (relative L2 and L-infinity), or its mean, peak or RMS.
     pub(crate) metric: Metric,
-    /// Uncertainty that the engine stated.
+    /// Uncertainty stated by the engine.
     pub(crate) u: f64,
-    /// How far it was off.
+    /// True error.
     pub(crate) error: f64,
 }
 
@@ -83,22 +83,22 @@ pub(crate) struct Alarm {
     pub(crate) result: Assessment,
 }
 
-/// The result.
+/// Result of a calibration.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Outcome {
-    /// Everything that was stated and could be judged.
+    /// Judged statements.
     pub(crate) cases: Vec<Case>,
-    /// Series that an engine said it does not resolve, by engine.
+    /// Number of series that an engine reports as unresolved, by engine.
     pub(crate) not_resolved: BTreeMap<String, usize>,
-    /// Series whose reference is not known a tenth as well as what was stated, by engine.
+    /// Number of series whose reference is too inaccurate to judge the statement, by engine.
     pub(crate) without_truth: BTreeMap<String, usize>,
-    /// Comparisons of engines with each other, and of each with mechanics.
+    /// Number of comparisons of engines with each other, and of each with mechanics.
     pub(crate) comparisons: usize,
-    /// Verdicts that are *differ*.
+    /// Verdicts *differ*.
     pub(crate) alarms: Vec<Alarm>,
-    /// Gears or engines that were left out, with the reason.
+    /// Omitted gears or engines, with the reason.
     pub(crate) left_out: Vec<String>,
-    /// How many gears there were.
+    /// Number of gears.
     pub(crate) gears: usize,
 }
 
@@ -107,13 +107,13 @@ pub(crate) struct Outcome {
 pub(crate) struct Row {
     /// The engine, or `all`.
     pub(crate) engine: String,
-    /// Cases.
+    /// Number of cases.
     pub(crate) cases: usize,
     /// Number of covered cases.
     pub(crate) covered: usize,
     /// Median of u over the error; NaN without cases.
     pub(crate) sharpness: f64,
-    /// The largest error over u.
+    /// Largest error over u.
     pub(crate) worst: f64,
 }
 
@@ -131,14 +131,14 @@ impl Row {
         }
     }
 
-    /// Share of the cases that are covered.
+    /// Returns the share of covered cases.
     pub(crate) fn coverage(&self) -> f64 {
         self.covered as f64 / self.cases as f64
     }
 }
 
 impl Outcome {
-    /// Rows of the series (`figures` false) or of their means, peaks and RMS: one for each engine, and one for all.
+    /// Returns rows of the series (`figures` false) or of their means, peaks and RMS: one for each engine, and one for all.
     pub(crate) fn rows(&self, figures: bool) -> Vec<Row> {
         let wanted = |case: &&Case| match case.metric {
             Metric::RelativeL2 => !figures,
@@ -168,12 +168,12 @@ impl Outcome {
     }
 }
 
-/// Runs every gear on every engine. What an engine does not honour, and gears without a reference, are left out with the reason.
+/// Runs every gear on every engine. Gears that an engine does not support, or without a reference, are omitted with the reason.
 ///
 /// # Errors
-/// Cancelled; a name that is no engine's; a scene that cannot be modelled.
+/// Cancelled; unknown engine; a scene that cannot be modelled.
 pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> {
-    let mut found = Outcome {
+    let mut outcome = Outcome {
         gears: input.scenes.len(),
         ..Outcome::default()
     };
@@ -192,13 +192,13 @@ pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, Study
             let (participant, evidence) = refine(engine, &gearbox, &context, effort, at, control)?;
             if let Some(reason) = participant.status.reason() {
                 let what = format!("{} on {name}: {reason}", scene.name);
-                found.left_out.push(what);
+                outcome.left_out.push(what);
                 continue;
             }
             participants.push(participant.clone());
             evidences.push(evidence.clone());
             let stated = (participant, evidence);
-            found.hold(&context, scene, stated, &mut truths, control)?;
+            outcome.hold(&context, scene, stated, &mut truths, control)?;
         }
         if !participants.is_empty() {
             let at = Progress::new((k + 1) * input.engines.len(), total, &scene.name);
@@ -207,20 +207,20 @@ pub(crate) fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, Study
                 evidence: &evidences,
                 ..Rules::default()
             };
-            found.count(&compare(&context, &participants, &rules)?);
+            outcome.count(&compare(&context, &participants, &rules)?);
         }
     }
-    Ok(found)
+    Ok(outcome)
 }
 
 impl Outcome {
-    /// Counts what a comparison of engines that are all right says.
-    fn count(&mut self, found: &Comparison) {
-        let alone = found.engines.iter().flat_map(|engine| {
+    /// Counts the verdicts of a comparison of correct engines.
+    fn count(&mut self, comparison: &Comparison) {
+        let alone = comparison.engines.iter().flat_map(|engine| {
             let judged = engine.judged.iter();
             judged.map(|j| (engine.name.clone(), &j.quantity, j.window, &j.result))
         });
-        let pairs = found.pairs.iter().flat_map(|pair| {
+        let pairs = comparison.pairs.iter().flat_map(|pair| {
             let both = format!("{} / {}", pair.a, pair.b);
             let entries = pair.entries.iter();
             entries.map(move |e| (both.clone(), &e.quantity, e.window, &e.result))
@@ -229,7 +229,7 @@ impl Outcome {
             self.comparisons += 1;
             if result.verdict == Verdict::Differ {
                 self.alarms.push(Alarm {
-                    scene: found.context.scene.clone(),
+                    scene: comparison.context.scene.clone(),
                     engines,
                     quantity: quantity.clone(),
                     window,
@@ -239,7 +239,7 @@ impl Outcome {
         }
     }
 
-    /// Holds what an engine states of one gear against the truth.
+    /// Judges the statements of one engine on one gear by the reference.
     fn hold(
         &mut self,
         context: &Context,
@@ -269,16 +269,18 @@ impl Outcome {
             };
             let sure = of_truth.entries.iter().find(same);
             let sure = sure.and_then(|e| e.metrics.as_ref());
-            for found in &entry.assessments {
-                let Some(metric) = found.metric else { continue };
+            for assessment in &entry.assessments {
+                let Some(metric) = assessment.metric else {
+                    continue;
+                };
                 let series = metric == Metric::RelativeL2;
                 let (Some(error), Some(of_truth)) = (
-                    found.difference.map(f64::abs),
+                    assessment.difference.map(f64::abs),
                     sure.and_then(|m| (metric.row().of)(m)),
                 ) else {
                     continue;
                 };
-                match found.u_a {
+                match assessment.u_a {
                     None if series => {
                         *self.not_resolved.entry(engine.clone()).or_default() += 1;
                     }
@@ -302,7 +304,7 @@ impl Outcome {
     }
 }
 
-/// The second runs and references of a scene, by their settings: engines share them.
+/// Second runs and references of a scene by their settings, shared by engines.
 #[derive(Default)]
 struct Truths(Vec<([Setting; 2], Option<[TimeSeries; 2]>)>);
 
@@ -318,17 +320,17 @@ impl Truths {
             return known.clone();
         }
         let solve = |way| reference::solve(scene, way, &Control::silent(control.cancel));
-        let found = settings.map(|way| solve(way).ok().map(|(_, series)| series));
-        let found = match found {
+        let solved = settings.map(|way| solve(way).ok().map(|(_, series)| series));
+        let solved = match solved {
             [Some(other), Some(truth)] => Some([other, truth]),
             _ => None,
         };
-        self.0.push((settings, found.clone()));
-        found
+        self.0.push((settings, solved.clone()));
+        solved
     }
 }
 
-/// A run beside the truth; the truth is taken as exact.
+/// Compares a run with the reference, taken as exact.
 fn against(
     context: &Context,
     participant: Participant,
@@ -349,7 +351,7 @@ fn against(
     Ok(compare(context, &both, &rules)?)
 }
 
-/// Time series as a native run.
+/// Returns the time series as a native run.
 fn as_run(name: &str, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),

@@ -1,4 +1,4 @@
-//! Small faults that every comparison is to tell: a gear that is slightly wrong beside the right one.
+//! Small faults that a comparison must detect: a slightly wrong gear against the correct one.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::comparison::{Effort, context, refine};
 use pinwheel_studies::{Control, Progress};
 
-/// A tenth of the faults.
+/// Required resolution, a tenth of the faults.
 const RESOLUTION: f64 = 1e-4;
 
 type Fault = (&'static str, fn(&mut Scene), fn(&mut Gearbox));
@@ -74,8 +74,8 @@ fn crossval_small_faults_are_told() {
             resolution: RESOLUTION,
             ..Rules::default()
         };
-        let found = compare(&context(&scene), &[own.clone(), other], &rules).unwrap();
-        let entries = &found.pairs[0].entries;
+        let report = compare(&context(&scene), &[own.clone(), other], &rules).unwrap();
+        let entries = &report.pairs[0].entries;
         entries
             .iter()
             .any(|entry| entry.result.verdict == Verdict::Differ)

@@ -1,4 +1,4 @@
-//! Calibration of verdicts, on gears and runs short enough for every run of the tests.
+//! Calibration of verdicts on gears and runs of short duration.
 
 mod coverage;
 mod faults;
@@ -25,7 +25,7 @@ fn preset(name: &str, duration_s: &str) -> pinwheel_scene::CheckedScene {
     Scene::load(name, &[Override::new("solver.duration_s", duration_s)]).unwrap()
 }
 
-/// Measured: see the table of docs/verdicts.md, of which this is a small part.
+/// Covers a small part of the table of docs/verdicts.md.
 #[test]
 fn crossval_stated_uncertainties_cover_true_errors() {
     covers(&[2001, 2003, 2004]);
@@ -51,26 +51,26 @@ fn covers(seeds: &[u64]) {
             .to_vec(),
         effort: effort(0.01),
     };
-    let found = coverage::run(&input, &Control::quiet()).unwrap();
-    let rows = found.rows(false);
+    let outcome = coverage::run(&input, &Control::quiet()).unwrap();
+    let rows = outcome.rows(false);
     let all = rows.last().unwrap();
-    assert!(all.cases >= 25, "{found:?}");
-    // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
-    // no more than one of their errors.
+    assert!(all.cases >= 25, "{outcome:?}");
+    // Median: 16 times the error. Two of the gears have friction with explicit steps, which show no order. With the order of kinks, u
+    // was only as large as one of their errors.
     assert!(
         all.coverage() >= coverage::COVERAGE && all.sharpness < coverage::SHARPNESS,
         "{rows:?}"
     );
-    // The study can say no: of uncertainties a tenth as large, and of ones that say nothing.
+    // Uncertainties a tenth as large, or ten times as large, are rejected.
     for factor in [0.1, 10.0] {
-        let mut other = found.clone();
+        let mut other = outcome.clone();
         other.cases.iter_mut().for_each(|case| case.u *= factor);
         assert!(!other.is_honest(), "{factor}: {:?}", other.rows(false));
     }
 }
 
-/// A gear of ratio 29 whose three discs cross the ramp of their damping in less than a step of the Lagrange form: its runs at 5e-6
-/// and 5e-7 were wrong alike, by 1.6e-3 where 3e-4 was stated, and 20 of 68 comparisons were false alarms.
+/// Three discs of a gear of ratio 29 cross the ramp of their damping within a step of the Lagrange form. Runs at 5e-6 and 5e-7 had
+/// a common error of 1.6e-3 with 3e-4 stated, and 20 of 68 comparisons were false alarms.
 #[test]
 fn hard_runs_that_are_wrong_alike_raise_no_false_alarm() {
     let text = r#"name = "three39"
@@ -117,13 +117,13 @@ sample_s = 2e-5
         engines: &engines,
         data: &[],
     };
-    let found = comparison::run(&input, &Control::quiet()).unwrap();
-    let pairs = found.comparison.pairs.iter();
+    let outcome = comparison::run(&input, &Control::quiet()).unwrap();
+    let pairs = outcome.comparison.pairs.iter();
     let results = pairs.flat_map(|pair| pair.entries.iter().map(|entry| &entry.result));
     let mut agree = 0;
     for result in results {
         assert_eq!(result.verdict, Verdict::Agree, "{result:?}");
-        // Within U, and not only within twice as much of runs that show no order.
+        // The limit is U, not the 2 U of runs without an order.
         let (off, u) = (
             result.difference.unwrap().abs(),
             result.u_a.unwrap() + result.u_b.unwrap(),
@@ -131,10 +131,10 @@ sample_s = 2e-5
         assert!(off <= u, "{result:?}");
         agree += 1;
     }
-    assert_eq!((agree, found.exit_status()), (60, 0));
+    assert_eq!((agree, outcome.exit_status()), (60, 0));
 }
 
-/// A pin whose radius is smaller by c is pressed in by c less; the others as before.
+/// A radius smaller by c reduces the penetration of its pin by c, and of no other pin.
 #[test]
 fn a_small_sleeve_is_pressed_in_less() {
     let mut gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
@@ -143,12 +143,12 @@ fn a_small_sleeve_is_pressed_in_less() {
         states[wheel].angle += 1e-3;
     }
     let pressed = |gearbox: &Gearbox| {
-        let mut found = Vec::new();
+        let mut pairs = Vec::new();
         let mut field = gearbox.contact_field().unwrap();
         field.touching(&states, &mut |pair| {
-            found.push((pair.wheel, pair.sleeve, pair.penetration_m));
+            pairs.push((pair.wheel, pair.sleeve, pair.penetration_m));
         });
-        found
+        pairs
     };
     let before = pressed(&gearbox);
     let of_external =

@@ -1,4 +1,4 @@
-//! One gear written otherwise: in other units, in a mirror, turned as a whole. Every figure is known from its image.
+//! Images of one gear: in other units, mirrored, rotated. The figures of an image follow from those of the gear.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,7 +6,7 @@ use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{Errors, Gear, Scene};
 use serde_json::Value;
 
-/// The old units over new ones.
+/// Old units over new units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Units {
     pub(crate) length: f64,
@@ -14,7 +14,7 @@ pub(crate) struct Units {
     pub(crate) force: f64,
 }
 
-/// Units by the end of a key or column, the first that fits, in powers of length, time and force.
+/// Powers of length, time and force by the end of a key or column; the first match counts.
 const ENDS: [(&str, [f64; 3]); 14] = [
     ("_kg_m2", [1.0, 2.0, 1.0]),
     ("_kg_m3", [-4.0, 2.0, 1.0]),
@@ -33,7 +33,7 @@ const ENDS: [(&str, [f64; 3]); 14] = [
 ];
 
 impl Units {
-    /// A value of that name in the new units over that in the old ones.
+    /// Returns the factor from old to new units for a value of that name.
     pub(crate) fn of(self, name: &str) -> f64 {
         let known = ENDS.iter().find(|(end, _)| name.ends_with(end));
         let [length, time, force] = known.map_or([0.0; 3], |(_, powers)| *powers);
@@ -53,10 +53,10 @@ impl Units {
         }
     }
 
-    /// The scene in the new units.
+    /// Returns the scene in the new units.
     pub(crate) fn scene(self, scene: &Scene) -> Scene {
         let mut plain = scene.clone();
-        // Palmgren's rollers are of steel and in millimetres: what they make is given instead, N/m^p.
+        // Palmgren's formula holds for steel in millimetres, so its stiffness replaces the rollers, N/m^p.
         let bearing = BearingLaw::of(scene).zip(plain.bearings.eccentric.as_mut());
         let exponent = bearing.map_or(1.0, |(law, bearing)| {
             (bearing.rollers, bearing.roller_length_m) = (None, None);
@@ -71,19 +71,19 @@ impl Units {
             *stiffness *= self.length.powf(1.0 - exponent);
         }
         if scene.contact.law == "line-contact" {
-            // F = H K L^(8/9) delta^(10/9): K is Palmgren's steel in N/m^2, whatever the scene's E is. H makes up for it.
+            // F = H K L^(8/9) delta^(10/9) with Palmgren's K of steel, N/m^2, for any E of the scene; H takes the factor.
             scaled.contact.stiffness_multiplier *= self.force / self.length.powi(2);
         }
         scaled
     }
 }
 
-/// Entries in another order, each times a sign; of an empty list none.
+/// Permutes the entries of a list and multiplies them by a sign.
 fn ordered(list: &mut Vec<f64>, sign: f64, from: impl Fn(usize) -> usize) {
     *list = (0..list.len()).map(|k| sign * list[from(k)]).collect();
 }
 
-/// All lists in another order: sleeves and pins by the number they come from, and discs. What lies across a radius takes `sign`.
+/// Permutes the errors of ring pins, output pins and discs by their old numbers. Tangential errors take `sign`.
 fn permuted(
     gear: &mut Gear,
     sign: f64,
@@ -106,7 +106,7 @@ fn permuted(
     ordered(&mut errors.phase_rad, sign, &wheel);
 }
 
-/// Errors of every kind, so large that they shift loads between parts: of the order of what the load presses in.
+/// Sets errors of every kind, of the order of the penetration under load, so that they shift loads between parts.
 pub(crate) fn deviate(gear: &mut Gear, size: f64) {
     let list = |count: usize, seed: f64| -> Vec<f64> {
         let noise = |k: usize| (seed + 2.4 * (k * k + 3 * k + 1) as f64).sin();
@@ -130,8 +130,8 @@ pub(crate) fn deviate(gear: &mut Gear, size: f64) {
     };
 }
 
-/// The gear in a mirror along the x axis: what was at an angle is at its negative, so that discs, sleeves, pins and holes come in
-/// reverse order.
+/// Returns the gear mirrored at the x axis: angles become negative, so discs, ring pins, output pins and holes have the reverse
+/// order.
 pub(crate) fn mirrored(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.drive.input_speed_rad_s *= -1.0;
@@ -154,8 +154,8 @@ pub(crate) fn mirrored(scene: &Scene) -> Scene {
     scene
 }
 
-/// The gear turned as a whole by as many sleeves and pins as fall on each other, with the discs counted from another one, and
-/// what is left of the turn in all `phase_rad` alike; `None` if no such turn leaves less than a radian.
+/// Returns the gear rotated by a common multiple of the ring and output pin pitches, with the discs counted from another one and the
+/// remaining angle in all `phase_rad`; `None` if every such rotation leaves about a radian or more.
 pub(crate) fn turned(scene: &Scene) -> Option<Scene> {
     let gear = &scene.gear;
     let (sleeves, pins, wheels) = (gear.external_sleeves, gear.internal_sleeves, gear.wheels);
