@@ -36,13 +36,13 @@ def annotation(schema: dict) -> str:
 
 def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:
     """Every key in full, with its schema."""
-    found = {}
+    keys = {}
     for name, inner in schema["properties"].items():
         full = f"{prefix}{name}"
         if full == "uncertain":
             continue
-        found.update(leaves(inner, f"{full}.") if "properties" in inner else {full: inner})
-    return found
+        keys.update(leaves(inner, f"{full}.") if "properties" in inner else {full: inner})
+    return keys
 
 
 def columns() -> list[str]:

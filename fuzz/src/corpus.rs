@@ -36,7 +36,7 @@ fn joined(first: &str, second: &str) -> Vec<u8> {
     [first, PARTS, second].concat().into_bytes()
 }
 
-/// The first lines of a text, whole ones.
+/// Returns the first complete lines of a text.
 fn beginning(text: &str, most: usize) -> String {
     let lines = text.split_inclusive('\n');
     let mut kept = String::new();

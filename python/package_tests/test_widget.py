@@ -116,6 +116,6 @@ def test_questions_that_have_no_answer():
 
 
 def test_a_cell_holds_all_of_a_page():
-    found = pinwheel.compare(pinwheel.Scene("paper", duration_s=1e-3), ["native-reduced", "native-lagrange"])
-    cell = found.frame(height=300)._repr_html_()
+    comparison = pinwheel.compare(pinwheel.Scene("paper", duration_s=1e-3), ["native-reduced", "native-lagrange"])
+    cell = comparison.frame(height=300)._repr_html_()
     assert cell.startswith('<iframe srcdoc="&lt;!doctype html') and 'src="' not in cell and "300px" in cell

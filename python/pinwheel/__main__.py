@@ -12,8 +12,8 @@ FOLDER = Path(__file__).with_name("bin")
 def beside(library: str) -> str | None:
     """The library `libpinwheel_...` of the package; None where the environment names another, or none is there."""
     names = (f"libpinwheel_{library}.so", f"libpinwheel_{library}.dylib", f"pinwheel_{library}.dll")
-    found = [FOLDER / name for name in names if (FOLDER / name).is_file()]
-    return str(found[0]) if found and f"PINWHEEL_{library.upper()}" not in os.environ else None
+    files = [FOLDER / name for name in names if (FOLDER / name).is_file()]
+    return str(files[0]) if files and f"PINWHEEL_{library.upper()}" not in os.environ else None
 
 
 def main() -> int:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
 from pinwheel._engine import Engine
-from pinwheel._progress import Told
+from pinwheel._progress import Progress
 from pinwheel.errors import ClusterError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def run_batch(batch: bytes) -> tuple[float, list[str]]:
     return time.perf_counter() - begun, records
 
 
-def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, told: Told | None) -> None:
+def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, show: Progress | None) -> None:
     """Makes every run that the journal lacks."""
     import cloudpickle
     from distributed import wait
@@ -81,8 +81,8 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 done += len(numbers)
                 if batch is None and wall_s > 0.0:
                     size = max(1, min(MOST, 2 * size, round(BATCH_S * len(numbers) / wall_s)))
-            if told is not None:
-                told(done, total, core.name(), 0.0, 0.0)
+            if show is not None:
+                show(done, total, core.name(), 0.0, 0.0)
     except KilledWorker as error:
         raise ClusterError(
             f"runs of one batch lost several workers one after the other: {error}; {_kept(done, total)}; give workers more "

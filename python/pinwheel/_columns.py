@@ -101,11 +101,11 @@ class Columns(Mapping["Column", Floats]):
     def __iter__(self) -> Iterator[Column]:
         yield "time_s"
         grouped = {k for group in self._groups.values() for k in group}
-        seen: set[str] = set()
+        yielded: set[str] = set()
         for k, name in enumerate(self.names):
             short = _NUMBERED.sub(r"\1", name) if k in grouped else name
-            if short not in seen:
-                seen.add(short)
+            if short not in yielded:
+                yielded.add(short)
                 yield cast("Column", short)
 
     def __len__(self) -> int:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pinwheel import _core
 from pinwheel._columns import near, wanted
 from pinwheel._page import Paged, plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 from pinwheel.errors import Missing
 
@@ -172,9 +172,9 @@ class Design(Paged, Mapping[str, Figure]):
         self.bears_its_load, _ = core.bears()
         names = [field.name for field in fields(Limit)]
         each_limit = self.data["limits"]["each"]
-        self.limits = [Limit(**{name: found[name] for name in names}) for found in each_limit]
+        self.limits = [Limit(**{name: limit[name] for name in names}) for limit in each_limit]
         each = zip(self.data["figures"], core.words(), strict=True)
-        self._figures = {found["key"]: _figure(found, *words) for found, words in each}
+        self._figures = {figure["key"]: _figure(figure, *words) for figure, words in each}
 
     _called = "design"
 
@@ -223,28 +223,28 @@ class Design(Paged, Mapping[str, Figure]):
         return self._table(("", "value", "unit", "known to"), rows)
 
 
-def _figure(found: dict[str, Any], shown: str, bounds: str) -> Figure:
+def _figure(figure: dict[str, Any], shown: str, bounds: str) -> Figure:
     def ends(name: str) -> tuple[float, float] | None:
-        band = found.get(name)
+        band = figure.get(name)
         return None if band is None else (band[0], band[1])
 
     return Figure(
-        key=found["key"],
-        what=found["what"],
-        value=found["value"],
-        unit=found["unit"],
-        uncertainty=found["numerical_uncertainty"],
+        key=figure["key"],
+        what=figure["what"],
+        value=figure["value"],
+        unit=figure["unit"],
+        uncertainty=figure["numerical_uncertainty"],
         by_contact_law=ends("by_contact_law"),
         by_fit=ends("by_fit"),
         over_the_mesh=ends("over_the_mesh"),
         over_the_mesh_uncertainty=ends("over_the_mesh_numerical_uncertainty"),
-        how=found["how"],
+        how=figure["how"],
         shown=shown,
         bounds=bounds,
     )
 
 
-def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
+def design(scene: Scene | str, *, progress: bool | Progress | None = None) -> Design:
     """Computes the design figures of a gear under its rated load: lost motion, stiffness, pressure, efficiency and more.
 
     Statics and a few runs; `statics` leaves the runs out.
@@ -252,7 +252,7 @@ def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design
     return _design(scene, True, progress)
 
 
-def statics(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
+def statics(scene: Scene | str, *, progress: bool | Progress | None = None) -> Design:
     """The figures of `design` that balances of the contacts at rest give; no run, so no efficiency.
 
     >>> found = statics("steel")
@@ -262,10 +262,10 @@ def statics(scene: Scene | str, *, progress: bool | Told | None = None) -> Desig
     return _design(scene, False, progress)
 
 
-def _design(scene: Scene | str, runs: bool, progress: bool | Told | None) -> Design:
+def _design(scene: Scene | str, runs: bool, progress: bool | Progress | None) -> Design:
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "design" if runs else "statics") as told:
-        return Design(made, _core.design(made._inner, runs, told))
+    with reporting(progress, "design" if runs else "statics") as report:
+        return Design(made, _core.design(made._inner, runs, report))
 
 
 def fmu(scene: Scene | str, path: str | os.PathLike[str], *, author: str | None = None) -> Path:

@@ -76,8 +76,8 @@ class Explorer:
         own = {"Origin": f"{at.scheme}://{at.netloc}", "Content-Type": "application/json"}
         asked = Request(self.url + message["path"], None if body is None else body.encode(), own)
         try:
-            with _HERE.open(asked) as found:
-                return {"status": found.status, "text": found.read().decode()}
+            with _HERE.open(asked) as reply:
+                return {"status": reply.status, "text": reply.read().decode()}
         except HTTPError as error:
             return {"status": error.code, "text": error.read().decode()}
         except OSError as error:

@@ -61,11 +61,11 @@ def plain(text: str) -> str:
             block.append(lines.pop(0))
         if not indent and (label := re.match(r"\S.*?\s{2,}", first)):
             indent = label.end()
-        head, said = first[:indent], " ".join([first[indent:], *(line.strip() for line in block[1:])])
-        here = said
+        head, text = first[:indent], " ".join([first[indent:], *(line.strip() for line in block[1:])])
+        here = text
         for flag, ours in _FLAGS:
             here = re.sub(flag, ours, here)
-        if here == said:
+        if here == text:
             done += block
         else:
             done += textwrap.wrap(here, 80, initial_indent=head, subsequent_indent=" " * indent, break_long_words=False)

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-Told = Callable[[int, int, str, float, float], object]
+Progress = Callable[[int, int, str, float, float], object]
 
 
 @contextmanager
-def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
+def reporting(progress: bool | Progress | None, what: str) -> Iterator[Progress | None]:
     """The function that is told `(done, total, piece, simulated_s, of_s)`.
 
     `progress`: a function of your own; True for a bar, False for none; None for a bar where somebody sees it.
@@ -25,7 +25,7 @@ def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
         yield None
         return
 
-    def told(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
+    def report(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
         part = min(simulated_s / of_s, 1.0) if of_s > 0.0 and done < total else 0.0
         bar.total = float(total)
         # Pieces run beside each other and the next one begins at 0: what was reached stays.
@@ -34,7 +34,7 @@ def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
         bar.refresh()
 
     try:
-        yield told
+        yield report
     finally:
         bar.close()
 

@@ -16,7 +16,7 @@ from pinwheel import _core
 from pinwheel._columns import Columns, Floats, plot
 from pinwheel._engine import EngineLike
 from pinwheel._page import plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 from pinwheel.errors import Diverged, InputError
 
@@ -70,8 +70,8 @@ class Run(Mapping["Column", Floats]):
     @classmethod
     def _of(cls, scene: Scene, core: _core.Ran) -> Run:
         texts = (core.stats, core.resolution, core.uncertainty, core.results, core.by_contact_law)
-        found: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
-        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *found)
+        parts: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
+        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *parts)
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
@@ -134,13 +134,13 @@ class Run(Mapping["Column", Floats]):
 
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over `time_s` and the pins, each at its angle, by the CF conventions; attributes say what was run."""
-        found = self.columns.to_xarray()
+        dataset = self.columns.to_xarray()
         for part in ("external", "internal"):
-            if (dim := f"{part}_sleeve") in found.sizes:
-                angles = 2.0 * np.pi * np.arange(found.sizes[dim]) / found.sizes[dim]
+            if (dim := f"{part}_sleeve") in dataset.sizes:
+                angles = 2.0 * np.pi * np.arange(dataset.sizes[dim]) / dataset.sizes[dim]
                 described = {"units": "rad", "long_name": "angle of the pin"}
-                found = found.assign_coords({f"{dim}_angle_rad": (dim, angles, described)})
-        return found.assign_attrs(
+                dataset = dataset.assign_coords({f"{dim}_angle_rad": (dim, angles, described)})
+        return dataset.assign_attrs(
             title=f"{self.scene.name} on {self.engine}", scene=self.scene["name"],
             scene_toml=self.scene.to_toml(), engine=self.engine, engine_version=self.version,
             pinwheel_version=_core.__version__,
@@ -177,7 +177,7 @@ def _written(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def run(
-    scene: Scene | str, engine: EngineLike = "native", *, check: bool = True, progress: bool | Told | None = None
+    scene: Scene | str, engine: EngineLike = "native", *, check: bool = True, progress: bool | Progress | None = None
 ) -> Run:
     """Runs a scene on an engine: a name of `pinwheel.engines()` or a function made with `@pinwheel.engine`.
 
@@ -193,9 +193,9 @@ def run(
     False
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "run") as told:
+    with reporting(progress, "run") as report:
         try:
-            return Run._of(made, _core.run(made._inner, engine, check, told))
+            return Run._of(made, _core.run(made._inner, engine, check, report))
         except Diverged as error:
             partial: Any = error.partial
             if isinstance(partial, _core.Ran):

@@ -55,19 +55,19 @@ def toml_value(value: Any) -> str:
 
 def settings(keys: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys, bare or dotted or in tables, as (full name, TOML value)."""
-    found: list[tuple[str, str]] = []
+    pairs: list[tuple[str, str]] = []
     for name, value in keys.items():
         if isinstance(value, Mapping) and name.split(".")[0] in TABLES:
-            found += settings({f"{name}.{key}": item for key, item in value.items()})
+            pairs += settings({f"{name}.{key}": item for key, item in value.items()})
         else:
             full = _core.key(name)
             if isinstance(value, float) and full in COUNTS and value.is_integer():
                 value = int(value)
             try:
-                found.append((full, toml_value(value)))
+                pairs.append((full, toml_value(value)))
             except TypeError as error:
                 raise TypeError(f"`{name}`: {error}") from None
-    return found
+    return pairs
 
 
 class Scene:

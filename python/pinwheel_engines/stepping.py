@@ -75,11 +75,11 @@ def _equal(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch]:
     if times_s.size < 2:
         return []
     spans = np.diff(times_s)
-    whole = times_s.size - 1
+    full = times_s.size - 1
     if spans.size > 1 and spans[-1] < spans[0] * (1.0 - 1e-9):
-        whole -= 1
+        full -= 1
     parts = []
-    for first, last in ((0, whole), (whole, times_s.size - 1)):
+    for first, last in ((0, full), (full, times_s.size - 1)):
         if last > first:
             count, _ = steps_between(float(times_s[first]), float(times_s[first + 1]), wanted_s)
             parts.append(Stretch(float(times_s[first]), float(times_s[last]), last - first, count))

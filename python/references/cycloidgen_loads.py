@@ -179,11 +179,11 @@ def main() -> None:
     parser.add_argument("scenes", nargs="+", type=Path, metavar="SCENE.toml")
     parser.add_argument("--toml", action="store_true", help="the extremes only, as they are recorded")
     options = parser.parse_args()
-    found = [loads(Scene.load(path)) for path in options.scenes]
+    gears = [loads(Scene.load(path)) for path in options.scenes]
     if not options.toml:
-        print(json.dumps(found))
+        print(json.dumps(gears))
         return
-    for gear in found:
+    for gear in gears:
         print("\n[[gear]]")
         for key, value in gear.items():
             if key not in ("ring", "output"):

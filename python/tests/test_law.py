@@ -165,8 +165,8 @@ def test_points_converge_to_the_exact_contact():
     errors = []
     for count in (500, 2000, 8000):
         points = exact.with_keys("contact", detection="points", wheel_points=count, hole_points=count)
-        found = evaluate(points, states)[..., :2]
-        errors.append(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
+        computed = evaluate(points, states)[..., :2]
+        errors.append(np.sqrt(np.mean((computed - wanted) ** 2) / np.mean(wanted**2)))
     # The normal's direction is off by up to half a spacing over the pin's radius: first order.
     assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
     assert errors[2] < 0.02
@@ -206,17 +206,17 @@ def test_the_published_vectors(law):
     columns = ("x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "rate_rad_s")
     states = np.stack([bodies[name] for name in columns], axis=-1)[None]
     numpy_law = ContactLaw(scene)
-    found = numpy_law.contacts(states)
-    np.testing.assert_array_equal(found.wheel - 2, wanted["wheel"])
-    np.testing.assert_array_equal(found.sleeve, wanted["sleeve_body"])
+    pairs = numpy_law.contacts(states)
+    np.testing.assert_array_equal(pairs.wheel - 2, wanted["wheel"])
+    np.testing.assert_array_equal(pairs.sleeve, wanted["sleeve_body"])
     largest = np.abs(wanted["normal_force_n"]).max()
     # Measured 4.2e-12 at most: penetrations are known to 1.4e-17 m.
-    assert np.abs(found.normal_force_n - wanted["normal_force_n"]).max() < 1e-11 * largest
-    assert np.abs(found.friction_force_n - wanted["friction_force_n"]).max() < 1e-11 * largest
+    assert np.abs(pairs.normal_force_n - wanted["normal_force_n"]).max() < 1e-11 * largest
+    assert np.abs(pairs.friction_force_n - wanted["friction_force_n"]).max() < 1e-11 * largest
     along = np.abs(wanted["along_force_n"]).max()
     assert (along > 5e-4 * largest) == (law == "line-hertz")
-    assert np.abs(found.along_force_n - wanted["along_force_n"]).max() <= 1e-11 * along
-    np.testing.assert_allclose(found.stiffness, wanted["stiffness_n_m15"], rtol=1e-12)
+    assert np.abs(pairs.along_force_n - wanted["along_force_n"]).max() <= 1e-11 * along
+    np.testing.assert_allclose(pairs.stiffness, wanted["stiffness_n_m15"], rtol=1e-12)
     loads = numpy_law.loads(states)[0]
     for column, name in enumerate(("force_x_n", "force_y_n", "moment_n_m")):
         assert np.abs(loads[:, column] - bodies[name]).max() < 1e-11 * np.abs(bodies[name]).max()

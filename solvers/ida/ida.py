@@ -262,14 +262,14 @@ class Courses:
 def motions(drive: dict[str, Any]) -> list[tuple[float, float, float, float]]:
     """Returns start, angle, speed and acceleration of each stretch of the input's motion."""
     speed = drive["input_speed_rad_s"]
-    found = [(0.0, 0.0, speed, 0.0)]
+    pieces = [(0.0, 0.0, speed, 0.0)]
     for change in drive.get("speed_changes") or []:
         time, ramp, after = change["time_s"], change["ramp_s"], change["input_speed_rad_s"]
-        begin = found[-1][1] + speed * (time - found[-1][0])
-        found.append((time, begin, speed, (after - speed) / ramp))
-        found.append((time + ramp, begin + 0.5 * (speed + after) * ramp, after, 0.0))
+        begin = pieces[-1][1] + speed * (time - pieces[-1][0])
+        pieces.append((time, begin, speed, (after - speed) / ramp))
+        pieces.append((time + ramp, begin + 0.5 * (speed + after) * ramp, after, 0.0))
         speed = after
-    return found
+    return pieces
 
 
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
@@ -277,11 +277,11 @@ def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float
 
     A sample there is the same moment but for rounding.
     """
-    found = {drive["load_ramp_s"]}
+    breaks = {drive["load_ramp_s"]}
     for change in [*(drive.get("load_changes") or []), *(drive.get("speed_changes") or [])]:
-        found |= {change["time_s"], change["time_s"] + (change.get("ramp_s") or 0.0)}
+        breaks |= {change["time_s"], change["time_s"] + (change.get("ramp_s") or 0.0)}
     cuts = []
-    for time in sorted(found):
+    for time in sorted(breaks):
         near = min(samples, key=lambda sample: abs(sample - time))
         at = near if abs(near - time) <= 1e-9 * samples[-1] else time
         if 0.0 < at < samples[-1]:
@@ -343,10 +343,10 @@ def run(job: Path, library: str) -> None:
             solver.init_step(begin, y, yp)
             inside = [time for time in samples if begin < time < end]
             for target in [*inside, end]:
-                found = solver.step(target, tstop=end)
-                if not found.success:
-                    raise DivergedError(f"IDA gives up at t = {found.t} s: {found.message}")
-                y[:], yp[:] = found.y, found.yp
+                step = solver.step(target, tstop=end)
+                if not step.success:
+                    raise DivergedError(f"IDA gives up at t = {step.t} s: {step.message}")
+                y[:], yp[:] = step.y, step.yp
                 if target in wanted:
                     sample(target)
             begin, load_from = end, load_until

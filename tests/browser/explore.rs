@@ -17,7 +17,7 @@ const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => se
 /// Waits until all requests are answered with balances.
 const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 20)); } while (document.body.dataset.busy !== undefined || /^(Balances|The motion)/.test(document.querySelector('#why').textContent)); })()";
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
-const SAID: &str = "document.querySelector('#said')?.textContent || ''";
+const MESSAGE: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
 const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
@@ -94,7 +94,7 @@ fn browser_explores_under_a_hand() {
             let drawn = "[...document.querySelectorAll('.panel .uplot canvas')].map((c) => c.toDataURL().length).join()";
             let before = [FIGURES, drawn].map(|script| browser.text(script));
             // The profile is undercut soon with a larger eccentricity or pin. A rigid bearing's slider stands at its end.
-            // Pins and discs are whole.
+            // Numbers of pins and discs are integers.
             let by = match k {
                 0 | 1 | 7 => -0.04,
                 11 | 12 => -0.15,
@@ -117,14 +117,14 @@ fn browser_explores_under_a_hand() {
         browser.evaluate(BALANCED);
         let reason =
             browser.text("document.querySelector('#gear-eccentricity_m ~ .reason').textContent");
-        let said = "mm, smaller than output pin + eccentricity = 10.26 mm";
+        let limit = "mm, smaller than output pin + eccentricity = 10.26 mm";
         assert!(
-            reason.starts_with("Hole radius is ") && reason.contains(said),
+            reason.starts_with("Hole radius is ") && reason.contains(limit),
             "{reason}"
         );
         assert_eq!(browser.evaluate(STALE), json!(true));
         click(browser, "document.querySelector('#save')");
-        until(browser, SAID, |text| !text.is_empty());
+        until(browser, MESSAGE, |text| !text.is_empty());
         let place = dir.join("gear-explored.toml");
         assert!(!place.exists(), "a scene that is none was saved");
         drag(browser, slider, 0.4);
@@ -133,7 +133,7 @@ fn browser_explores_under_a_hand() {
 
         // The saved file is the state: a valid scene with the displayed values.
         click(browser, "document.querySelector('#save')");
-        until(browser, SAID, |text| {
+        until(browser, MESSAGE, |text| {
             text.starts_with("State B is in gear-explored.toml; next: pinwheel design")
         });
         let saved = Scene::load(place.to_str().unwrap(), &[]).unwrap();
@@ -175,7 +175,7 @@ fn browser_explores_under_a_hand() {
         // A file saved with a fault gives a message, and the display stays.
         let faulty = lighter.replace("eccentricity_m = ", "eccentricity_m = -");
         std::fs::write(&file, faulty).unwrap();
-        until(browser, SAID, |text| text.contains("eccentricity_m"));
+        until(browser, MESSAGE, |text| text.contains("eccentricity_m"));
         assert_eq!(browser.text(FIGURES), shown);
         browser.evaluate("window.old = true");
         std::fs::write(&file, lighter).unwrap();
@@ -184,17 +184,17 @@ fn browser_explores_under_a_hand() {
         // Figures stand beside the gear, on a phone directly under it.
         for (look, fold) in [(DESK, 900.0), (PHONE, 844.0)] {
             browser.look(look);
-            let seen = browser.evaluate(
+            let edges = browser.evaluate(
                 "(async () => { await new Promise((r) => setTimeout(r, 100)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
                  return [at('#figures').top, at('#figures').bottom, at('.gearboxes').bottom, at('.hand').top]; })()",
             );
-            let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| seen[k].as_f64().unwrap());
+            let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| edges[k].as_f64().unwrap());
             println!(
                 "figures from {top} to {bottom} px of {fold} at a width of {}",
                 look.width
             );
-            assert!(top < fold && (look.width < 500 || bottom < fold), "{seen}");
-            assert!(look.width > 500 || (gear < top && bottom < hand), "{seen}");
+            assert!(top < fold && (look.width < 500 || bottom < fold), "{edges}");
+            assert!(look.width > 500 || (gear < top && bottom < hand), "{edges}");
         }
 
         // Nothing is wrong with it at either width; here of states whose forces are no straight lines, which look like nothing.
@@ -203,9 +203,9 @@ fn browser_explores_under_a_hand() {
         browser.go(&format!("http://127.0.0.1:{port}/{hash}"), DESK);
         for look in [DESK, PHONE] {
             browser.evaluate(SETTLED);
-            let (wrong, seen) = faults(browser, look);
+            let (wrong, layout) = faults(browser, look);
             assert!(wrong.is_empty(), "{}: {wrong:#?}", look.width);
-            assert_eq!(seen["gearboxes"], json!(1));
+            assert_eq!(layout["gearboxes"], json!(1));
         }
     });
 }
@@ -288,10 +288,10 @@ fn browser_explores_by_numbers_steps_and_links() {
         // What cannot be says so in the slider's words and unit, and so does what is no number.
         let reason = "document.querySelector('#gear-backlash_m ~ .reason').textContent";
         type_at(browser, "gear-backlash_m", "5000");
-        let said = browser.text(reason);
+        let message = browser.text(reason);
         assert!(
-            said.starts_with("Backlash is 5000 \u{b5}m") && !said.contains("--set"),
-            "{said}"
+            message.starts_with("Backlash is 5000 \u{b5}m") && !message.contains("--set"),
+            "{message}"
         );
         type_at(browser, "gear-backlash_m", "much");
         assert!(browser.text(reason).contains("is no number"));
@@ -358,8 +358,8 @@ fn browser_says_what_is_still_computed() {
 
         // A comparison shows its progress; an interrupt ends it without leftovers.
         click(browser, "document.querySelector('#compare')");
-        let told = until(browser, SAID, |text| text.contains(" of "));
-        assert!(told.starts_with("Compares: "), "{told}");
+        let progress = until(browser, MESSAGE, |text| text.contains(" of "));
+        assert!(progress.starts_with("Compares: "), "{progress}");
         #[cfg(unix)]
         {
             let (status, took) = served.interrupt();

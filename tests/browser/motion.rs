@@ -43,10 +43,10 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
     })()"#;
     let mut watch = |still: bool| {
         browser.open(page, Look { still, ..PHONE });
-        let seen = browser.evaluate(WATCH);
+        let states = browser.evaluate(WATCH);
         browser.assert_quiet();
-        let seen = seen.as_array().unwrap().iter();
-        seen.map(|v| v.as_bool().unwrap()).collect::<Vec<_>>()
+        let states = states.as_array().unwrap().iter();
+        states.map(|v| v.as_bool().unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(
         watch(false),
@@ -140,36 +140,36 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.evaluate(COUNT);
     browser.evaluate(FRAMES);
     let before = browser.metrics();
-    let seen = browser.evaluate(THESE);
+    let measured = browser.evaluate(THESE);
     let after = browser.metrics();
-    let number = |key: &str| seen[key].as_f64().unwrap();
+    let number = |key: &str| measured[key].as_f64().unwrap();
     let frames = number("frames");
     let spent = |key: &str| after[key] - before[key];
     println!(
         "gearbox of {}: {frames} frames; script {} ms (median, 95 %), frames apart {} ms; main thread {:.2} ms of processor time \
          a frame; {:.2} layouts a frame; at most {} points, {} strokes of the pen a frame",
-        seen["size"],
-        seen["script_ms"],
-        seen["interval_ms"],
+        measured["size"],
+        measured["script_ms"],
+        measured["interval_ms"],
         1e3 * spent("ThreadTime") / frames,
         spent("LayoutCount") / frames,
-        seen["points"],
-        seen["paints"],
+        measured["points"],
+        measured["paints"],
     );
-    assert!(frames >= 40.0, "it does not play: {seen}");
-    assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
-    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
+    assert!(frames >= 40.0, "it does not play: {measured}");
+    assert_eq!(number("idle"), 0.0, "every frame is drawn: {measured}");
+    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {measured}");
     for key in ["paths", "texts", "reads"] {
-        assert_eq!(number(key), 0.0, "{key}: {seen}");
+        assert_eq!(number(key), 0.0, "{key}: {measured}");
     }
     // Two discs, 8 + 16 pins, at most 32 forces: measured 407 points and 58 strokes; with paths built in every frame and
     // separate drawing of every part 212 strokes, 4 paths and 3 size queries.
-    assert!(number("points") < 600.0, "{seen}");
-    assert!(number("paints") < 90.0, "{seen}");
+    assert!(number("points") < 600.0, "{measured}");
+    assert!(number("paints") < 90.0, "{measured}");
     // Text changes ten times a second, and other frames cause no layout.
     assert!(
         spent("LayoutCount") <= number("changes") + 3.0,
-        "{} layouts, {seen}",
+        "{} layouts, {measured}",
         spent("LayoutCount")
     );
     browser.assert_quiet();
@@ -188,29 +188,29 @@ pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => on });
         document.dispatchEvent(new Event('visibilitychange'));
       };
-      const seen = { began: await busy() };
+      const states = { began: await busy() };
       host.querySelector('.play').click();
-      seen.paused = await quiet();
+      states.paused = await quiet();
       host.querySelector('.play').click();
       host.querySelector('.play').click();
       host.querySelector('.play').click();
-      seen.went_on = await busy();
+      states.went_on = await busy();
       scrollTo(0, document.body.scrollHeight);
-      seen.away = await quiet();
+      states.away = await quiet();
       host.scrollIntoView();
-      seen.back = await busy();
+      states.back = await busy();
       hide(true);
-      seen.hidden = await quiet();
+      states.hidden = await quiet();
       hide(false);
-      seen.shown = await busy();
-      return seen;
+      states.shown = await busy();
+      return states;
     })()"#;
     browser.open(page, MOVING);
     browser.evaluate(COUNT);
-    let seen = browser.evaluate(WATCH);
-    let all = seen.as_object().unwrap();
+    let states = browser.evaluate(WATCH);
+    let all = states.as_object().unwrap();
     assert_eq!(all.len(), 7);
-    assert!(all.values().all(|v| *v == Value::Bool(true)), "{seen}");
+    assert!(all.values().all(|v| *v == Value::Bool(true)), "{states}");
 }
 
 /// With late frames on a fine screen it draws fewer pixels in motion, and all of them at rest.

@@ -45,9 +45,9 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
             Complex::unit(TAU * random.share()).scale(1.5 * curve.pitch_radius() * random.share())
         };
         let foot = curve.closest(p);
-        let seen = Vector::new(p.re, p.im);
-        let nearest = line.project_local_point(seen, false);
-        let distance = (seen - nearest.point).length();
+        let point = Vector::new(p.re, p.im);
+        let nearest = line.project_local_point(point, false);
+        let distance = (point - nearest.point).length();
         let error = (distance - foot.distance.abs()).abs();
         assert!(
             error < LIMIT_M,

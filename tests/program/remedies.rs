@@ -34,13 +34,13 @@ fn pieces(pattern: &str) -> Vec<&str> {
     pieces
 }
 
-/// True if the pattern stands in `said`; the values at its names are read.
-fn stands(pattern: &str, said: &str, read: &mut Read) -> bool {
+/// True if the pattern stands in `output`; the values at its names are read.
+fn stands(pattern: &str, output: &str, read: &mut Read) -> bool {
     let pieces = pieces(pattern);
-    let Some(at) = said.find(pieces[0]) else {
+    let Some(at) = output.find(pieces[0]) else {
         return false;
     };
-    let mut rest = &said[at + pieces[0].len()..];
+    let mut rest = &output[at + pieces[0].len()..];
     for pair in pieces[1..].chunks(2) {
         let end = match pair[1] {
             "" => rest.find(' ').or(Some(rest.len())),
@@ -92,20 +92,20 @@ fn ran(dir: &Path, command: &str) -> (i32, String) {
         let is_path = words[1].contains(['.', '/']);
         let spec = is_path.then(|| file.to_str().unwrap());
         let scene = sets.and_then(|sets| Scene::load(spec.unwrap_or(&words[1]), &sets));
-        let said = scene.err().map(|fault| fault.to_string());
+        let message = scene.err().map(|fault| fault.to_string());
         let here = format!("{}/", dir.display());
         return (
-            said.as_ref().map_or(0, |_| 2),
-            said.unwrap_or_default().replace(&here, ""),
+            message.as_ref().map_or(0, |_| 2),
+            message.unwrap_or_default().replace(&here, ""),
         );
     }
     let mut program = pinwheel();
     let output = program.args(words).current_dir(dir).output().unwrap();
-    let said =
+    let printed =
         [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-    let said = said.join(" ");
-    let said: Vec<&str> = said.split_whitespace().collect();
-    (output.status.code().unwrap_or(-1), said.join(" "))
+    let printed = printed.join(" ");
+    let printed: Vec<&str> = printed.split_whitespace().collect();
+    (output.status.code().unwrap_or(-1), printed.join(" "))
 }
 
 /// Follows the cases of a list; returns what is wrong, with its line.
@@ -120,7 +120,7 @@ fn follow(name: &str) -> Vec<String> {
             continue;
         }
         let dir = tempfile::tempdir().unwrap();
-        let (mut read, mut said) = (Read::new(), String::new());
+        let (mut read, mut output) = (Read::new(), String::new());
         let mut lines = common.iter().chain(case).peekable();
         while let Some((number, line)) = lines.next() {
             let fault = |what: &str| format!("{name}:{}: {what}: {line}", number + 1);
@@ -137,15 +137,15 @@ fn follow(name: &str) -> Vec<String> {
                     let (allowed, command) = rest.split_once(' ').unwrap();
                     let command = filled(command, &read);
                     let status;
-                    (status, said) = ran(dir.path(), &command);
+                    (status, output) = ran(dir.path(), &command);
                     let fails = lines.peek().is_some_and(|(_, next)| next.starts_with('!'));
                     let allowed = if allowed.is_empty() { "0" } else { allowed };
                     if !fails && allowed.split(',').all(|code| code != status.to_string()) {
-                        wrong.push(fault(&format!("status {status}, {said}")));
+                        wrong.push(fault(&format!("status {status}, {output}")));
                     }
                 }
-                "!" if !stands(rest.trim(), &said, &mut read) => {
-                    wrong.push(fault(&format!("not in {said}")));
+                "!" if !stands(rest.trim(), &output, &mut read) => {
+                    wrong.push(fault(&format!("not in {output}")));
                 }
                 _ => {}
             }
@@ -209,8 +209,8 @@ fn program_examples_run() {
                 .next()
                 .unwrap();
             let words = words.split("  #").next().unwrap();
-            let (status, said) = ran(dir.path(), words);
-            assert_eq!(status, 0, "{words}: {said}");
+            let (status, output) = ran(dir.path(), words);
+            assert_eq!(status, 0, "{words}: {output}");
             count += 1;
         }
     }

@@ -750,10 +750,10 @@ fn regress_planning_can_be_stopped() {
 fn regress_a_full_disk_is_called_so() {
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
     let output = pinwheel().arg("laws").stdout(full).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(
-        output.status.code() == Some(2) && said.contains("disk is full"),
-        "{said}"
+        output.status.code() == Some(2) && stderr.contains("disk is full"),
+        "{stderr}"
     );
 }
 

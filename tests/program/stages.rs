@@ -31,15 +31,15 @@ fn crossval_a_comparison_names_the_stage() {
     ] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));
-        let said = format!("{fault}: {}{}", ran.stdout, ran.stderr);
+        let log = format!("{fault}: {}{}", ran.stdout, ran.stderr);
         let lines: Vec<&str> = ran.stdout.lines().take(12).collect();
         let mut stages = lines.iter().filter(|line| line.starts_with("stage"));
         let stage = stages.next();
-        assert_eq!(stage.is_some(), !named.is_empty(), "{said}");
-        assert!(stage.is_none_or(|line| line.contains(named)), "{said}");
+        assert_eq!(stage.is_some(), !named.is_empty(), "{log}");
+        assert!(stage.is_none_or(|line| line.contains(named)), "{log}");
         let page = std::fs::read_to_string(folder.path().join("out/index.html")).expect("a page");
-        assert!(page.contains(drawn), "{said}");
-        assert_eq!(page.contains("off above"), !named.is_empty(), "{said}");
+        assert!(page.contains(drawn), "{log}");
+        assert_eq!(page.contains("off above"), !named.is_empty(), "{log}");
     }
 }
 
@@ -65,14 +65,14 @@ fn crossval_a_record_names_the_stage() {
         ran(&format!(
             "run paper --set solver.duration_s=0.01 --set {set} --out rig --force"
         ));
-        let (said, wrong) = ran(
+        let (stdout, wrong) = ran(
             "compare paper --set solver.duration_s=0.01 --engines native-resolved --against rig/courses.csv --map map.toml",
         );
         assert_eq!(
-            said.contains("likely"),
+            stdout.contains("likely"),
             named.is_some(),
-            "{set}: {said}{wrong}"
+            "{set}: {stdout}{wrong}"
         );
-        assert!(named.is_none_or(|named| said.contains(named)), "{said}");
+        assert!(named.is_none_or(|named| stdout.contains(named)), "{stdout}");
     }
 }

@@ -305,12 +305,12 @@ class _Machine:
         """Absolute angles and rates of all bodies."""
         order = self.drive_side + self.load_side + self.housing_side
         data = self.system.systemData
-        found = []
+        absolute = []
         for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()):
             relative = np.zeros(self.layout.bodies)
             relative[order] = values
-            found.append(self.kinematics.absolute(relative))
-        return found[0], found[1]
+            absolute.append(self.kinematics.absolute(relative))
+        return absolute[0], absolute[1]
 
     def forces(self, angles: Floats) -> tuple[Complexes, Complexes]:
         """Contact force on every ring and output pin, vector sums over the discs, N, ground frame."""

@@ -166,10 +166,10 @@ def run(
         steps = 0
 
         def counts() -> tuple[int, int]:
-            found = layout["counters_array"]
+            counters = layout["counters_array"]
             # One call a sample is the forward evaluation that the sample is taken from.
-            calls = stage_law.calls + int(found[0]) - recorder.count
-            return max(0, calls), stage_law.changes + int(found[1])
+            calls = stage_law.calls + int(counters[0]) - recorder.count
+            return max(0, calls), stage_law.changes + int(counters[1])
 
         def finish() -> Result:
             stats = RunStats(
