@@ -309,23 +309,23 @@ pub fn manifest(bytes: &[u8]) -> bool {
         return false;
     };
     match Manifest::from_toml(text, "solver.toml") {
-        Ok(manifest) => {
-            assert!(Manifest::is_name(&manifest.name).is_ok(), "{}", manifest.name);
+        Ok(solver) => {
+            assert!(Manifest::is_name(&solver.name).is_ok(), "{}", solver.name);
             assert!(
-                manifest
+                solver
                     .command
                     .first()
                     .is_some_and(|program| !program.is_empty())
             );
-            finite("timeout", [manifest.timeout_s]);
-            finite("order", manifest.refine.iter().map(|refine| refine.order));
+            finite("timeout", [solver.timeout_s]);
+            finite("order", solver.refine.iter().map(|refine| refine.order));
             finite(
                 "tolerance",
-                manifest.model.values().map(|stated| stated.tolerance),
+                solver.model.values().map(|stated| stated.tolerance),
             );
             assert!(
-                names::laws().iter().any(|law| manifest.honours_law(law))
-                    || manifest.honours.laws.is_empty()
+                names::laws().iter().any(|law| solver.honours_law(law))
+                    || solver.honours.laws.is_empty()
             );
             true
         }

@@ -148,8 +148,8 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.evaluate(DRAWN);
     browser.evaluate("document.querySelector('#chart .plot').focus()");
     browser.key("ArrowRight");
-    let announced = browser.text("document.querySelector('#chart .plot + .unseen').textContent");
-    assert!(announced.contains("native-reduced"), "nothing is announced: {announced}");
+    let text = browser.text("document.querySelector('#chart .plot + .unseen').textContent");
+    assert!(text.contains("native-reduced"), "not announced: {text}");
     browser.key("+");
     assert_eq!(browser.text(WINDOW), "");
     browser.key("0");

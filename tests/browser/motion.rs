@@ -140,36 +140,36 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.evaluate(COUNT);
     browser.evaluate(FRAMES);
     let before = browser.metrics();
-    let measured = browser.evaluate(THESE);
+    let cost = browser.evaluate(THESE);
     let after = browser.metrics();
-    let number = |key: &str| measured[key].as_f64().unwrap();
+    let number = |key: &str| cost[key].as_f64().unwrap();
     let frames = number("frames");
     let spent = |key: &str| after[key] - before[key];
     println!(
         "gearbox of {}: {frames} frames; script {} ms (median, 95 %), frames apart {} ms; main thread {:.2} ms of processor time \
          a frame; {:.2} layouts a frame; at most {} points, {} strokes of the pen a frame",
-        measured["size"],
-        measured["script_ms"],
-        measured["interval_ms"],
+        cost["size"],
+        cost["script_ms"],
+        cost["interval_ms"],
         1e3 * spent("ThreadTime") / frames,
         spent("LayoutCount") / frames,
-        measured["points"],
-        measured["paints"],
+        cost["points"],
+        cost["paints"],
     );
-    assert!(frames >= 40.0, "it does not play: {measured}");
-    assert_eq!(number("idle"), 0.0, "every frame is drawn: {measured}");
-    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {measured}");
+    assert!(frames >= 40.0, "it does not play: {cost}");
+    assert_eq!(number("idle"), 0.0, "every frame is drawn: {cost}");
+    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {cost}");
     for key in ["paths", "texts", "reads"] {
-        assert_eq!(number(key), 0.0, "{key}: {measured}");
+        assert_eq!(number(key), 0.0, "{key}: {cost}");
     }
     // Two discs, 8 + 16 pins, at most 32 forces: measured 407 points and 58 strokes; with paths built in every frame and
     // separate drawing of every part 212 strokes, 4 paths and 3 size queries.
-    assert!(number("points") < 600.0, "{measured}");
-    assert!(number("paints") < 90.0, "{measured}");
+    assert!(number("points") < 600.0, "{cost}");
+    assert!(number("paints") < 90.0, "{cost}");
     // Text changes ten times a second, and other frames cause no layout.
     assert!(
         spent("LayoutCount") <= number("changes") + 3.0,
-        "{} layouts, {measured}",
+        "{} layouts, {cost}",
         spent("LayoutCount")
     );
     browser.assert_quiet();

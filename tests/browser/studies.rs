@@ -151,15 +151,15 @@ fn browser_shows_a_run() {
         let page = page(dir, "run paper --set solver.duration_s=0.02");
         flawless(browser, &page, [1, 1, 3]);
         browser.open(&page, crate::DESK);
-        let content = browser.evaluate(
+        let view = browser.evaluate(
             "(async () => { await new Promise((r) => setTimeout(r, 600)); const tiles = [...document.querySelectorAll('.decision .tile')]; \
              return { asked: tiles.map((t) => t.querySelector('.label').textContent), next: tiles.at(-1).querySelector('code').textContent, \
              fits: tiles.every((t) => t.getBoundingClientRect().bottom < 900), plots: document.querySelectorAll('#chart .uplot').length }; })()",
         );
         let asked = ["Is it right?", "Will it bear?", "How sure?", "What next?"];
-        assert_eq!(content["asked"], json!(asked));
-        assert_eq!(content["next"], "pinwheel compare paper");
-        assert_eq!((&content["fits"], &content["plots"]), (&json!(true), &json!(1)));
+        assert_eq!(view["asked"], json!(asked));
+        assert_eq!(view["next"], "pinwheel compare paper");
+        assert_eq!((&view["fits"], &view["plots"]), (&json!(true), &json!(1)));
     });
 }
 
@@ -207,9 +207,9 @@ fn browser_shows_two_designs() {
         // Without pass or fail, differences have their name and size.
         let class = browser.text("document.querySelector('.banner').className");
         assert_eq!(class, "banner finding");
-        let headline = browser.text("document.querySelector('.banner .headline').textContent");
-        let much = headline.contains('%') || headline.contains('\u{d7}');
-        assert!(headline.contains("figures differ, most: ") && much, "{headline}");
+        let title = browser.text("document.querySelector('.banner .headline').textContent");
+        let much = title.contains('%') || title.contains('\u{d7}');
+        assert!(title.contains("figures differ, most: ") && much, "{title}");
         // Channels of only one design are drawn too: the twelfth pin.
         let drawn = browser.text(
             "(async () => {

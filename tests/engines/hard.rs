@@ -2,7 +2,7 @@
 
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
-use pinwheel_tests::runs::{self, attempt, scene, finished as run};
+use pinwheel_tests::runs::{self, attempt, finished as run, scene};
 use pinwheel_timeseries::TimeSeries;
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];

@@ -146,7 +146,7 @@ fn crossval_no_random_gear_is_silently_wrong() {
         }
     });
     let mut pairs = Vec::new();
-    let (mut silent, mut failed, mut unresolved, mut open) = (Vec::new(), Vec::new(), 0, 0);
+    let (mut silent, mut failed, mut refused, mut open) = (Vec::new(), Vec::new(), 0, 0);
     let mut costs = Vec::new();
     let outcomes = outcomes.into_inner().unwrap();
     let total = outcomes.len();
@@ -161,7 +161,7 @@ fn crossval_no_random_gear_is_silently_wrong() {
                 }
             }
             Outcome::Unresolved(why) => {
-                unresolved += 1;
+                refused += 1;
                 println!("{seed}: {why}");
             }
             Outcome::NoTruth(apart) => {
@@ -174,14 +174,14 @@ fn crossval_no_random_gear_is_silently_wrong() {
     print_histogram(&pairs);
     costs.sort_by(f64::total_cmp);
     println!(
-        "{} judged, {unresolved} stated as not resolved, {open} without a truth; cost {:.2} times a run in the median",
+        "{} judged, {refused} stated as not resolved, {open} without a truth; cost {:.2} times a run in the median",
         pairs.len(),
         costs[costs.len() / 2]
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(silent.is_empty(), "{silent:#?}");
     // Refusing every gear, or judging none, would hide failures.
-    assert!(unresolved * 20 <= total, "{unresolved} of {total} not resolved");
+    assert!(refused * 20 <= total, "{refused} of {total} not resolved");
     assert!(open * 50 <= total, "{open} of {total} without a truth");
     assert!(costs[costs.len() / 2] <= 1.75, "{costs:?}");
 }

@@ -82,8 +82,8 @@ fn bad_input_is_an_annotation_on_github() {
         let mut command = pinwheel();
         command.args(words(typed)).current_dir(dir.path());
         let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
-        let stderr = String::from_utf8(output.stderr).unwrap();
-        assert!(stderr.contains(verdict) && !stderr.contains("%0A"), "{stderr}");
+        let log = String::from_utf8(output.stderr).unwrap();
+        assert!(log.contains(verdict) && !log.contains("%0A"), "{log}");
     }
 }
 

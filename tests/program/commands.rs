@@ -542,13 +542,13 @@ fn program_own_gears_need_no_settings() {
         let dir = tempfile::tempdir().unwrap();
         let run = done(run_in(dir.path(), ["run", file, "--set", &duration]));
         // The band of contact laws is beside a force, and the numerical error is stated once.
-        let printed = run.split_whitespace().collect::<Vec<_>>().join(" ");
+        let shown = run.split_whitespace().collect::<Vec<_>>().join(" ");
         for group in ["external forces", "internal forces"] {
-            let (_, after) = printed.split_once(group).unwrap();
+            let (_, after) = shown.split_once(group).unwrap();
             let (peak, _) = after.split_once("), mean").unwrap();
-            assert!(peak.contains(" by contact law; \u{b1} "), "{gear}: {printed}");
+            assert!(peak.contains(" by contact law; \u{b1} "), "{gear}: {shown}");
             let causes = peak.matches("numerical").count() + peak.matches("sampling").count();
-            assert_eq!(causes, 1, "{gear}: {printed}");
+            assert_eq!(causes, 1, "{gear}: {shown}");
         }
     }
 }

@@ -441,16 +441,16 @@ fn explore_answers_its_own_page_alone() {
         assert_eq!(ask("POST /run", &more, "[]").0, status, "{more}");
     }
     // Without a file of the program's the state is the reader's own.
-    let (_, reply) = ask("POST /file", &own, r#"[["gear.backlash_m","1e-5"]]"#);
-    let file = reply.contains(r#""name":"gear-explored.toml""#);
-    assert!(file && reply.contains("backlash_m = 1e-5"), "{reply}");
+    let (_, body) = ask("POST /file", &own, r#"[["gear.backlash_m","1e-5"]]"#);
+    let file = body.contains(r#""name":"gear-explored.toml""#);
+    assert!(file && body.contains("backlash_m = 1e-5"), "{body}");
     assert!(!dir.path().join("gear-explored.toml").exists());
     // A fault is in the words and units of the slider.
-    let (_, reply) = ask("POST /run", &own, r#"[["gear.backlash_m","5e-3"]]"#);
-    let stated = reply.contains("Backlash is 5000 \u{b5}m") && reply.contains("backlash = 420 \u{b5}m");
+    let (_, body) = ask("POST /run", &own, r#"[["gear.backlash_m","5e-3"]]"#);
+    let both = body.contains("Backlash is 5000 \u{b5}m") && body.contains("backlash = 420 \u{b5}m");
     assert!(
-        stated && !reply.contains("--set") && !reply.contains("0.005 m"),
-        "{reply}"
+        both && !body.contains("--set") && !body.contains("0.005 m"),
+        "{body}"
     );
     // Only what sliders move can be set.
     let (_, saved) = ask(

@@ -221,10 +221,10 @@ fn check_names(fault: &str, trial: &str, quantity: &str, stage: &str) {
     let failed = summary["findings"].as_array().into_iter().flatten();
     let mut failed = failed.filter(|finding| finding["state"] == "failed");
     let named = failed.any(|finding| {
-        let details = finding["seen"].as_str().unwrap_or_default();
-        let line = format!("{}: {details}", finding["name"].as_str().unwrap_or_default());
-        let dated = details.contains(" off at t = ") || !quantity.starts_with("sleeve");
-        line.contains(trial) && details.contains(quantity) && dated
+        let facts = finding["seen"].as_str().unwrap_or_default();
+        let line = format!("{}: {facts}", finding["name"].as_str().unwrap_or_default());
+        let dated = facts.contains(" off at t = ") || !quantity.starts_with("sleeve");
+        line.contains(trial) && facts.contains(quantity) && dated
     });
     assert!(named, "{summary}");
     let junit = std::fs::read_to_string(folder.path().join("j.xml")).expect("junit");

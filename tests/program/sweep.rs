@@ -218,10 +218,7 @@ fn damaged_runs_are_made_again() {
             kept.code == Some(2) && kept.stderr.contains("--force"),
             "{kept:?}"
         );
-        assert_eq!(
-            run(&["--out", "full", "--resume", "--force"]).code,
-            Some(0)
-        );
+        assert_eq!(run(&["--out", "full", "--resume", "--force"]).code, Some(0));
         for (number, sound) in (1..=8).zip(&sound) {
             assert!(content("full", number) == *sound, "{format} {number}");
         }
