@@ -129,7 +129,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
   for (const e of document.querySelectorAll('[aria-labelledby]')) for (const id of e.getAttribute('aria-labelledby').split(/\s+/)) if (!document.getElementById(id)) faults.push(`aria-labelledby ${id} is not there`);
   for (const e of document.querySelectorAll('a[href^="#"]')) if (!document.getElementById(decodeURIComponent(e.hash.slice(1)))) faults.push(`link to nothing: ${e.hash}`);
   for (const e of document.querySelectorAll('table')) if (visible(e) && !e.querySelector('th[scope]')) faults.push(`table without headings: ${named(e)}`);
-  // What scrolls can be reached by keys.
+  // ---- Scrolling parts can be reached by keys
   for (const e of document.querySelectorAll('main *')) {
     const style = getComputedStyle(e);
     if (visible(e) && ['auto', 'scroll'].includes(style.overflowX) && e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0 && !e.closest('nav')) faults.push(`scrolls without keys: ${named(e)}`);

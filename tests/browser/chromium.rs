@@ -103,7 +103,7 @@ pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
     let mut browser = idle.unwrap_or_else(|| Chromium::start(&program));
     let context = browser.begin();
     test(&mut browser, dir.path());
-    // What the test stored goes with its page.
+    // Removes everything that the test stored.
     browser.session = None;
     browser.call("Target.disposeBrowserContext", context);
     IDLE.lock().unwrap().push(browser);

@@ -197,7 +197,7 @@ fn browser_explores_under_a_hand() {
             assert!(look.width > 500 || (gear < top && bottom < hand), "{edges}");
         }
 
-        // Nothing is wrong with it at either width; here of states whose forces are no straight lines, which look like nothing.
+        // The page has no faults at either width. Force curves of these states bend: straight ones would count as not drawn.
         let hash = "#%7B%22now%22:%22b%22,%22a%22:%5B%5D,%22b%22:%5B%5B%22gear.backlash_m%22,%2236e-6%22%5D%5D,%22moved%22:%7B%7D%7D";
         browser.go("about:blank", DESK);
         browser.go(&format!("http://127.0.0.1:{port}/{hash}"), DESK);
@@ -285,7 +285,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         browser.evaluate(SETTLED);
         assert_eq!(browser.text(FIGURES), moved);
 
-        // What cannot be says so in the slider's words and unit, and so does what is no number.
+        // An impossible value and a text that is no number are refused in the words and unit of the slider.
         let reason = "document.querySelector('#gear-backlash_m ~ .reason').textContent";
         type_at(browser, "gear-backlash_m", "5000");
         let message = browser.text(reason);

@@ -84,7 +84,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Largest difference over the largest value.
+/// Returns the largest difference over the largest value.
 fn off(computed: &[f64], wanted: &[f64]) -> f64 {
     assert_eq!(computed.len(), wanted.len());
     let size = wanted.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -290,7 +290,7 @@ fn faults(preset: &str, sets: &[(&str, &str)], conclusive: bool) -> Vec<String> 
         for pair in pairs.filter(|pair| pair.a == ENGINES[0].0 && pair.b == *name) {
             for entry in &pair.entries {
                 let result = &entry.result;
-                // Pins that carry nothing would test nothing.
+                // Pins without load would test nothing.
                 let idle = result.verdict == Verdict::NotCompared
                     && entry.quantity.ends_with("sleeve_force_n");
                 let open = conclusive && result.verdict == Verdict::Inconclusive;
@@ -309,7 +309,7 @@ fn faults(preset: &str, sets: &[(&str, &str)], conclusive: bool) -> Vec<String> 
             wrong.push(format!("{gear}, {name}: D {d:e}, U {u:e}"));
         }
     }
-    // Each alone: output torque and load must match the output's acceleration.
+    // Every engine: output torque and load must match the acceleration of its output.
     for engine in &outcome.comparison.engines {
         let judged = engine.judged.iter();
         for entry in judged.filter(|entry| entry.result.verdict == Verdict::Differ) {

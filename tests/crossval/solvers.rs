@@ -310,7 +310,7 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
     let compiler = dir.path().join("compiler");
     let real = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
     let programs = pinwheel_engines::cache::folder().unwrap();
-    // The folder in the cache is named after what the compiler says of itself, and a draft after the folder.
+    // The cache folder is named after the version text of the compiler, and a draft after the folder.
     let script = format!(
         "#!/bin/sh\n[ \"$1\" = --version ] && exec {real} --version\nsleep 0.2\nwhile [ \"$1\" != -o ]; do shift; done\n\
          draft=$(basename \"$(dirname \"$2\")\")\nname=${{draft#.}}\nexec cp \"{}/${{name%%.*}}/simbody\" \"$2\"\n",

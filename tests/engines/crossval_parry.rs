@@ -1,5 +1,4 @@
-//! parry as an independent oracle of distance: a fine polyline of the curve against the exact
-//! closest point.
+//! Distances of points from the curve: the exact closest point against parry with a fine polyline.
 
 use std::f64::consts::TAU;
 
@@ -56,7 +55,7 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
             p.im,
             foot.distance
         );
-        // Closer to the curve than the polyline, the side depends on the polyline.
+        // For points closer to the curve than the polyline is, the side depends on the polyline.
         if foot.distance.abs() > LIMIT_M {
             assert_eq!(
                 nearest.is_inside,

@@ -29,7 +29,7 @@ fn relative(
     runs::relative(time_series, reference, &[quantity], (from_s, to_s))
 }
 
-/// Mean over the window and the channels.
+/// Returns the mean over the window and the channels.
 fn mean(time_series: &TimeSeries, quantity: &str, from_s: f64, to_s: f64) -> f64 {
     let window = time_series.window(from_s, to_s);
     let channels = channels(time_series, quantity);

@@ -260,7 +260,7 @@ fn hard_presets_are_served_within_their_bounds() {
             all.fold(0.0, |most: f64, &force| most.max(force))
         };
         if forces(&converged) < 1e-9 {
-            // Only rounding, in both: no load, no gap, no force.
+            // Without load and gap both have only rounding errors for forces.
             println!("{}: no forces, {:.1e} N", row.scene, forces(&computed));
             assert!(forces(&computed) < 1e-9, "{}", row.scene);
             continue;

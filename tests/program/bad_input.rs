@@ -13,7 +13,7 @@ fn refusal(outcome: &Outcome, what: &str) -> String {
     let line = outcome.stderr.trim_end_matches('\n');
     assert!(!line.contains('\n'), "{what}: more than one line: {line}");
     assert!(line.starts_with("error: "), "{what}: {line}");
-    // Fault; remedy.
+    // The line consists of fault and remedy.
     assert!(line.contains("; "), "{what}: no remedy: {line}");
     line.to_owned()
 }
@@ -68,7 +68,7 @@ fn bad_input_is_an_annotation_on_github() {
         stderr.contains("\n::error file=mine.toml,line=3::mine.toml, line 3: "),
         "{stderr}"
     );
-    // A verdict is one sentence, not the table that it decides.
+    // The annotation of a verdict is one sentence, without the table.
     for (typed, verdict) in [
         (
             "design paper --statics --set limits.pressure_pa=1e6",

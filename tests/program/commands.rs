@@ -61,7 +61,7 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
             "{name}: {off} off, {bound} stated"
         );
     }
-    // Above 100 % by the work that the law creates: a reason replaces the figure.
+    // The law creates work, so the efficiency exceeds 100 %: a reason replaces the figure.
     let mut list = results["figures"].as_array().unwrap().iter();
     let share = list.find(|f| f["key"] == "efficiency").unwrap();
     let why = share["withheld"].as_str().unwrap();
@@ -224,7 +224,7 @@ fn program_compare_goes_on_when_engines_diverge() {
         args.iter().chain(&[
             "--set",
             "solver.duration_s=0.05",
-            // Set explicitly, so not refined.
+            // An explicit step is not refined.
             "--set",
             "solver.step_s=1e-5",
         ]),
@@ -662,7 +662,7 @@ fn program_lists_engines_and_explains_for_people_and_programs() {
     assert_eq!(report["derived"]["lobes"], 15);
     assert_eq!(report["scene"]["name"], "paper");
     assert!(names_in(dir.path()).is_empty(), "explaining writes nothing");
-    // A reader's questions come before the equations.
+    // Answers to a reader's questions come before the equations.
     let order = [
         "ratio  15 : 1",
         "To be expected",
@@ -813,7 +813,7 @@ fn program_works_from_any_folder() {
     }
 }
 
-/// Without a terminal's width, 80 columns.
+/// Output has at most 80 columns if the width of the terminal is unknown.
 #[test]
 fn program_fits_a_screen() {
     let dir = tempfile::tempdir().unwrap();

@@ -265,7 +265,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
     );
     assert_complete(writer, &out);
     let undisturbed = content(&out);
-    // Half of the kills meet an earlier output, half an empty place.
+    // Half of the kills occur with an earlier output in place, half without.
     let mut met = 0;
     for number in 0..kills {
         let fresh = number % 2 == 1;
@@ -371,7 +371,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         .collect();
     assert_eq!(names, known, "{what}");
     let mut left = names_in(dir);
-    // A part of a stopped bench or stability study stays beside it on purpose, like tolerances and schema of a gear.
+    // Partial results of a stopped study, and the tolerances and the schema of a gear, remain beside the output on purpose.
     left.retain(|name| {
         let known = [
             "out",

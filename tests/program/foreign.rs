@@ -14,7 +14,7 @@ const COMPARE: [&str; 9] = [
     "native-reduced",
     "--set",
     "solver.duration_s=0.02",
-    // Stated, so that comparison and run use equal values.
+    // Stated explicitly, so that comparison and run use equal steps.
     "--set",
     "solver.step_s=1e-5",
     "--force",
@@ -340,7 +340,7 @@ fn bad_input_is_named() {
         }
         assert!(!dir.path().join("out").exists());
     }
-    // Omitted on request, and named in the report.
+    // Bad rows are omitted on request, and named in the report.
     std::fs::write(dir.path().join("rig.csv"), rows).unwrap();
     std::fs::write(
         dir.path().join("rig.toml"),
@@ -389,7 +389,7 @@ fn stated_uncertainties_give_validation_verdicts() {
         "{budget}"
     );
     assert!(budget["numerical"].as_f64().unwrap() > 0.0, "{budget}");
-    // Off by 10 %: far beyond it.
+    // An error of 10 % is far beyond the uncertainty.
     let off = map("uncertainty = { absolute = 1e-3 }").replace("factor = -1.0", "factor = -1.1");
     let (outcome, entry) = torque(off);
     assert_eq!(entry["verdict"], "differ", "{entry}");
@@ -448,7 +448,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
     let double = ["--set", "uncertain.drive.output_torque_n_m.plus_minus=0.22"];
     let twice = budget(&double).1["input"].as_f64().unwrap();
     assert!((twice / input - 2.0).abs() < 0.2, "{input} {twice}");
-    // From nine keys on all are changed at once: the others hardly matter here.
+    // From nine uncertain keys on, all are varied at once; the additional keys have little effect here.
     let many: Vec<String> = [
         ("drive.output_torque_n_m", "0.11"),
         ("mass.wheel.mass_kg", "1e-9"),

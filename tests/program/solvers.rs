@@ -26,7 +26,7 @@ fn is_here(program: &str) -> bool {
     available
 }
 
-/// Builds by the line in the manifest.
+/// Builds a solver by the command in its manifest.
 fn build(folder: &Path) {
     let text = std::fs::read_to_string(folder.join("solver.toml")).expect("manifest");
     let stated = text
@@ -76,7 +76,7 @@ fn conforms(language: &str, compiler: &str) {
     assert!(checked.stdout.contains("trials passed"), "{checked:?}");
     let page = std::fs::read_to_string(folder.path().join("out/mine-check/index.html"));
     assert!(page.expect("a page").contains("broken job"));
-    // The line on the solver comes first, on the terminal and in the file for CI.
+    // The verdict on the solver comes first, on the terminal and in the JUnit file.
     let agrees = checked.stdout.lines().next().unwrap_or_default();
     assert!(agrees.starts_with("mine: agrees: to "), "{checked:?}");
     let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
@@ -293,7 +293,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         "{}",
         more.stdout
     );
-    // One that runs away on a scene is recorded on the others.
+    // A solver that diverges on one scene is recorded on the others.
     commit(folder.path(), "away");
     let away = ran("baseline record other --only paper,one-wheel");
     let note = "not recorded by faulty: one-wheel: diverged at t =";
@@ -328,7 +328,7 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
     let junit = std::fs::read_to_string(folder.path().join("k.xml")).expect("junit");
     assert!(junit.contains(named), "{junit}");
     commit(folder.path(), "none");
-    // No statement on a scene that is not recorded, nor on a refused one.
+    // Scenes without a record, and refused scenes, get no verdict.
     for only in ["eleven-pins", "flores"] {
         let nothing = ran(&format!("baseline check mine --junit j.xml --only {only}"));
         assert_eq!(
@@ -541,7 +541,7 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
             continue;
         }
         let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
-        // The first is the solver's, the second the case's.
+        // The first failure is the solver's, the second the case's.
         let failure = junit
             .lines()
             .filter(|line| line.contains("<failure"))
@@ -610,7 +610,7 @@ fn bad_input_of_solvers_is_one_line() {
             2,
             "leave one out, or type `pinwheel compare SCENE --engines rapier-colliders --solver one.toml`",
         ),
-        // Named twice it is meant once.
+        // An engine named twice runs once.
         (
             &["run", "paper", "--engine", "c-rk4", "--solver", "one.toml"],
             3,

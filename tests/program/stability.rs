@@ -65,7 +65,7 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     }
     assert!(!page.contains("src=\"http"), "nothing from elsewhere");
 
-    // As after a stop with one scene open: the others stay unchanged.
+    // State after a stop with one scene missing: the other scenes are not repeated.
     let mut stopped = first.clone();
     stopped["atlas"]["rows"][1] = Value::Null;
     stopped["atlas"]["rows"][0]["why"] = "kept".into();
@@ -82,7 +82,7 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     );
     assert_eq!(again["finished"], true);
 
-    // Another plan is another study.
+    // An output of another plan is not continued.
     let other = run_in(
         dir.path(),
         ["stability", "soft.toml", "--quick", "--resume"],

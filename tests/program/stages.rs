@@ -1,12 +1,12 @@
-//! The stage of a solver that differs, on the first screen and on the page of a comparison.
+//! Names of the stage in which a solver differs, on the first screen and on the page of a comparison.
 #![cfg(unix)]
 
 use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver with a fault in each stage, whose page draws that stage, and one that is right; contacts of an engine's own are never
-/// accused.
+/// Compares solvers with one fault each: the first screen names the stage, and the page draws it. A correct solver and an engine
+/// with its own contacts are not accused.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };
@@ -43,7 +43,7 @@ fn crossval_a_comparison_names_the_stage() {
     }
 }
 
-/// A record of another gear without states, and one of this gear.
+/// Compares with records without states: one of this gear, and one with twice its load.
 #[test]
 fn crossval_a_record_names_the_stage() {
     let folder = tempfile::tempdir().expect("folder");

@@ -201,7 +201,7 @@ fn damaged_runs_are_made_again() {
             put(3, &altered);
             put(4, &original(5));
             std::fs::remove_file(path(6)).unwrap();
-            // A digit of the largest force in its record.
+            // Changes a digit of the largest force in the record of run 7.
             let record = path(7).with_extension("json");
             let text = read(&record);
             let (before, digits) = text.split_once("\"peak\": ").unwrap();
@@ -209,7 +209,7 @@ fn damaged_runs_are_made_again() {
             let changed = format!("{before}\"peak\": {first}{}", &digits[1..]);
             std::fs::write(record, changed).unwrap();
         };
-        // Of a finished output.
+        // Damage to a finished output.
         let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("full", number)).collect();
         let results = read(&dir.path().join("full/results.csv"));
         damage(&|number| file("full", number));
@@ -309,12 +309,12 @@ fn regress_keys_that_do_nothing_are_named() {
         let keys: Vec<&str> = keys.collect();
         assert_eq!(keys, ["contact.restitution", "base"], "{command}: {notes}");
     }
-    // Nothing for 2 ms, and then all: the comparison does not stop at the beginning.
+    // This change has no effect in the first 5 ms: the comparison with and without it must not stop before.
     let later = "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]";
     assert_eq!(run(later), "");
     for typed in [
         "design paper --out r --force --statics --set drive.output_torque_n_m=20",
-        // No figure of statics depends on these.
+        // These keys change no figure of statics.
         "design paper --out r --force --set mass.wheel.mass_kg=0.7",
         "design paper --out r --force --set contact.band_laws=[\"kunert\"]",
         "explain paper --set gear.hole_radius_m=0.00881",
@@ -331,7 +331,7 @@ fn regress_keys_that_do_nothing_are_named() {
         assert_eq!((outcome.code, outcome.stderr), (Some(0), note), "{typed}");
     }
 
-    // A run that broke off has no bands, which take the longest time.
+    // A diverged run has no bands, whose computation would take longest.
     let wheels = "run steel --out w --set gear.wheels=64";
     assert_eq!(run_in(dir.path(), words(wheels)).code, Some(3));
     assert!(!read(&dir.path().join("w/run.json")).contains("by_contact_law"));
