@@ -1,4 +1,4 @@
-"""Prints the licence texts of all crates that the program is made of: MIT and others ask that they come with it."""
+"""Prints the licence texts of all crates of the program, which MIT and other licences require with a copy."""
 
 import json
 import subprocess

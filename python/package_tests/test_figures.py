@@ -1,4 +1,4 @@
-"""One name, one figure, one unit; and what is asked for by a wrong name."""
+"""Figures have one name and one unit; a wrong name gives a suggestion."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from pinwheel import Missing, Scene, _core
 SHORT = Scene("paper", duration_s=0.004)
 UNITS = {key: unit or "1" for key, _, unit, _ in _core.figures()}
 STATISTICS = ("mean", "least", "min", "max", "rms", "peak")
-# Of a sweep alone: where a run's figures are from.
+# Columns of a sweep only, which describe the window and the balance of a run's figures.
 OWN = {"diverged_at_s", "window_from_s", "window_to_s", "efficiency_accounted", "energy_remainder_share"}
 
 

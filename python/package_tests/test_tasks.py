@@ -1,4 +1,4 @@
-"""Twenty tasks of a user's work, and types catch what is wrong before anything runs."""
+"""Twenty tasks of a user run, and type checkers catch errors before anything runs."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""A live page over the kernel's messages, and pages in cells: what a hub's browser gets, which cannot reach this machine."""
+"""Live page over the kernel's messages, and pages in cells, for a hub's browser, which cannot reach this machine."""
 
 import json
 import os
@@ -68,7 +68,7 @@ def test_a_page_in_a_cell_gets_its_answers_by_messages(tmp_path):
         at = f"http://127.0.0.1:{server.server_port}/"
         browser = subprocess.Popen([CHROMIUM, *flags, at], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         try:
-            # Bands are asked for once the page has understood its balances.
+            # The page requests bands after it has read its balances.
             assert done.wait(60.0), asked
         finally:
             browser.terminate()

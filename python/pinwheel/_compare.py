@@ -29,7 +29,7 @@ class Verdict:
         track: What the two have in common
         distance: Relative L2 of the difference, where it could be compared
         uncertainty: U = u_a + u_b, the numerical uncertainty of both, relative
-        reason: Why, where a reason belongs to the verdict
+        reason: Reason of the verdict, if it has one
 
     """
 
@@ -64,7 +64,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
         )
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -93,7 +93,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
 
     def __getitem__(self, engine: EngineLike) -> Columns:
-        """Time series of an engine, by the name or the object that it was asked for as."""
+        """Time series of an engine, by its name or its object."""
         name = engine if isinstance(engine, str) else engine.name
         full = name.replace("_", "-")
         if name == "native" and name not in self.runs:

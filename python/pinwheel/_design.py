@@ -85,7 +85,7 @@ def gear(
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of a gear with what is known of its uncertainty; `float(figure)` is its value.
+    """A figure of a gear with its known uncertainty; `float(figure)` is its value.
 
     Attributes:
         key: name for programs, which ends in the unit
@@ -161,7 +161,7 @@ class Design(Paged, Mapping[str, Figure]):
         scene: the gear's
         limits: loads of the parts against what they may bear
         bears_its_load: the answer of the limits in words, `yes, margin 1.9`
-        data: all that was found, with courses over the mesh: the program's `design.json`
+        data: all results, with courses over the mesh: the program's `design.json`
 
     """
 
@@ -206,7 +206,7 @@ class Design(Paged, Mapping[str, Figure]):
         return wanted("pandas", "frames").DataFrame(rows).set_index("key")
 
     def save_dxf(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Writes the drawing of every disc as `disc_N.dxf`, lengths in mm, of discs that are one part one; the files."""
+        """Writes a drawing `disc_N.dxf`, in mm, of every disc, or one for equal discs; returns the files."""
         files = [Path(folder) / f"disc_{number}.dxf" for number, _ in self._dxf]
         for file, (_, text) in zip(files, self._dxf, strict=True):
             _core.write(file, text.encode(), "cycloidal disc, millimetres")
@@ -253,10 +253,10 @@ def design(scene: Scene | str, *, progress: bool | Progress | None = None) -> De
 
 
 def statics(scene: Scene | str, *, progress: bool | Progress | None = None) -> Design:
-    """The figures of `design` that balances of the contacts at rest give; no run, so no efficiency.
+    """Computes the figures of `design` that follow from static balances; without a run, so without efficiency.
 
-    >>> found = statics("steel")
-    >>> found["torsional_stiffness_n_m_per_arcmin"].unit
+    >>> figures = statics("steel")
+    >>> figures["torsional_stiffness_n_m_per_arcmin"].unit
     'N m/arcmin'
     """
     return _design(scene, False, progress)
@@ -269,7 +269,7 @@ def _design(scene: Scene | str, runs: bool, progress: bool | Progress | None) ->
 
 
 def fmu(scene: Scene | str, path: str | os.PathLike[str], *, author: str | None = None) -> Path:
-    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md), which names its author; the file.
+    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md) with its author; returns the file.
 
     The unit says when it was made, or what the environment's SOURCE_DATE_EPOCH says.
     """

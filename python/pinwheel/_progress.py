@@ -13,9 +13,9 @@ Progress = Callable[[int, int, str, float, float], object]
 
 @contextmanager
 def reporting(progress: bool | Progress | None, what: str) -> Iterator[Progress | None]:
-    """The function that is told `(done, total, piece, simulated_s, of_s)`.
+    """Gives the function that is called with `(done, total, piece, simulated_s, of_s)`, or None without progress.
 
-    `progress`: a function of your own; True for a bar, False for none; None for a bar where somebody sees it.
+    `progress`: a function of your own; True for a bar, False for none; None for a bar on a terminal or in a notebook.
     """
     if callable(progress):
         yield progress
@@ -28,7 +28,7 @@ def reporting(progress: bool | Progress | None, what: str) -> Iterator[Progress 
     def report(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
         part = min(simulated_s / of_s, 1.0) if of_s > 0.0 and done < total else 0.0
         bar.total = float(total)
-        # Pieces run beside each other and the next one begins at 0: what was reached stays.
+        # Pieces run in parallel and each begins at 0: the bar never goes back.
         bar.n = max(bar.n, min(done + part, float(total)))
         bar.set_postfix_str(f"{done}/{total} {piece}"[:40], refresh=False)
         bar.refresh()

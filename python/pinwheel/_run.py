@@ -33,7 +33,7 @@ KNOWN = ("resolution", "numerical_uncertainty", "results", "by_contact_law")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Mapping["Column", Floats]):
-    """A run: time series, cost, and what is known of their uncertainty.
+    """A run: time series, their cost and their known uncertainty.
 
     `run["external_sleeve_force_n"]` is an array (samples, pins); see `Columns` for the shapes and names.
 
@@ -44,14 +44,14 @@ class Run(Mapping["Column", Floats]):
         track: "native", "shared-law" or "own-contact"
         columns: the time series
         stats: what the run cost, its settings and notes; keys end in their unit
-        resolution: what the same run at twice its step shows: whether the step resolves the scene
-        uncertainty: what the engine itself verified of its numerical uncertainty
-        results: what it was run for, each figure with how far it may be off: the program's `results` of `run.json`
-        by_contact_law: what other contact laws would give
+        resolution: comparison with a run at twice the step, which shows if the step resolves the scene
+        uncertainty: numerical uncertainty verified by the engine itself
+        results: figures with their uncertainty: the program's `results` of `run.json`
+        by_contact_law: figures under other contact laws
 
     """
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -75,7 +75,7 @@ class Run(Mapping["Column", Floats]):
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
-        """A run that `save` or the program's `run` wrote."""
+        """Reads a run that `save` or the program's `run` wrote."""
         try:
             data = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
             columns = Columns.read_csv(Path(folder) / "courses.csv")

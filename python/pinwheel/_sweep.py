@@ -49,7 +49,7 @@ class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
 
     """
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -208,10 +208,10 @@ def _text(
     specification: Mapping[str, Any],
     folder: str,
 ) -> str:
-    """A sweep file for a scene and what varies."""
+    """Writes the text of a sweep file for a scene and its varied keys."""
     name, _, sets = scene._inner.spec()
     if name not in _core.presets():
-        # The scene as it is, whatever it came from.
+        # The complete scene, independent of its source.
         path = Path(folder) / "scene.toml"
         path.write_text(scene.to_toml(), encoding="utf-8")
         name, sets = str(path), []
@@ -240,7 +240,7 @@ def _text(
 
 
 def _check_words(keys: Mapping[str, Any]) -> None:
-    """Refuses what is no key of a scene, with what an argument of `sweep` may have been meant by it."""
+    """Refuses a word that is no key of a scene, and suggests the argument of `sweep` that it resembles."""
     arguments = list(inspect.signature(sweep).parameters)[1:-1]
     for word in keys:
         try:
@@ -311,7 +311,7 @@ def sweep(
             text = _text(scene, top, vary or {}, axes, sample or {}, specification or {}, folder)
             path = "sweep.toml"
             if out is None:
-                # Each sweep of its own has a folder of its own; the same again has the same.
+                # Different sweeps have different folders; a repeated sweep has its own again.
                 identity = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
                 name = re.sub(r"[^\w.-]", "-", scene.name).lstrip(".")
                 out = Path("out") / f"{name}-sweep-{hashlib.sha256(''.join(identity).encode()).hexdigest()[:8]}"

@@ -15,7 +15,7 @@ from pinwheel.errors import ClusterError, PinwheelError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; its exit status."""
+    """Runs the command line; returns its exit status."""
     parser = argparse.ArgumentParser(prog="python -m pinwheel.cluster", description="Runs a sweep file (docs/sweeps.md).")
     parser.add_argument("file", help="sweep file (TOML)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, tcp://host:8786, or its scheduler file")

@@ -73,7 +73,7 @@ class Contacts:
     friction_force_n: Floats
     along_force_n: Floats
     slope_n_m: Floats
-    """Of the normal force with the penetration at rest."""
+    """Derivative of the normal force with the penetration at rest, N/m."""
 
     @property
     def force_on_sleeve_n(self) -> Points:
@@ -90,7 +90,7 @@ class ContactLaw:
     """The contact forces of one scene. Keeps no history: the same states give the same bits."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises Unsupported for what it does not know, SceneError for points too coarse to have a stiffness."""
+        """Raises Unsupported for a law without a numpy version, SceneError for points too coarse to have a stiffness."""
         contact, gear = scene.contact, scene.gear
         if contact.law not in LAWS:
             raise Unsupported(
@@ -228,7 +228,7 @@ class ContactLaw:
         return np.clip(depth / width, 0.0, 1.0) * elastic, slope
 
     def _on_pins(self, delta: Floats, stiffness: Floats, effective: Floats, own: Floats, pin: float) -> Floats:
-        """What the contacts take of delta, m: Newton's method within a shrinking bracket."""
+        """Contacts' part of delta, m, the rest being the pins' deflection: Newton's method within a shrinking bracket."""
         low, high, x = np.zeros_like(delta), delta.copy(), delta.copy()
         for _ in range(100):
             force, slope = self._at_rest(x, stiffness, effective, own)
@@ -251,7 +251,7 @@ class ContactLaw:
         return loads
 
     def rounding_n(self, states: Floats) -> Floats:
-        """How far two correct evaluations of the law may differ by rounding alone, N, one number a state (n,).
+        """Bound of the difference of two correct evaluations by rounding alone, N, one number a state (n,).
 
         A penetration is the difference of lengths of about the pitch radius, so it is known to their unit in the last place
         (1.4e-17 m), however small it is itself; the normal force follows with its slope. Friction below its ramp follows the
@@ -329,7 +329,7 @@ class ContactLaw:
         return _on_ground(states, kept, state, wheel, sleeve, turn, touch)
 
     def _on_flanks(self, local: Points, radius: Floats, feet: list[Touch]) -> Touch:
-        """What touches, of the feet on either turned disc: the nearer one on the edge of their common part, or its corner.
+        """Touch of a disc with turned flanks: the nearer of both feet on the edge of their common part, or its corner.
 
         Counter-clockwise of a lobe's middle that edge is the disc's that is turned clockwise.
         """

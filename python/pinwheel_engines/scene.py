@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.errors import SceneError
 
-# Times nearer to each other than this are one, s: more than the rounding of times.
+# Tolerance of equal times, s: more than their rounding.
 APART_S = 1e-9
 
 
@@ -108,13 +108,13 @@ class Gear(Table):
         return any(self._keys.get("errors", {}).values())
 
     def errors(self, key: str, count: int) -> npt.NDArray[np.float64]:
-        """The list of errors of that name: a number for each of `count` parts, zeros where the scene has none."""
+        """Errors of a name, one for each of `count` parts; zeros if the scene has none."""
         values = self._keys.get("errors", {}).get(key) or np.zeros(count)
         return np.asarray(values, dtype=np.float64)
 
     @property
     def extra_play_m(self) -> float:
-        """More than what modification and errors can add to the gap of a ring pin."""
+        """Upper bound of the gap of a ring pin that modification and errors can add, m."""
         change = abs(self._modification("equidistant_m")) + abs(self._modification("radial_m"))
         change += sum(abs(value) for values in self.normal_m.values() for value in values)
         lists = self._keys.get("errors", {}).items()
@@ -293,7 +293,7 @@ _COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", 
 
 
 def _compiled_only(data: dict[str, Any]) -> str:
-    """The first key of what the compiled law alone has; empty: none."""
+    """First key of a scene that only the compiled law supports; empty: none."""
     bearings = data.get("bearings", {})
     keys = [f"bearings.{key}" for key in _COMPILED_ONLY if bearings.get(key)]
     if data.get("contact", {}).get("friction_coefficient"):

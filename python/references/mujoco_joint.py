@@ -17,7 +17,7 @@ import numpy as np
 
 
 def follow(model_file: str, courses_file: str) -> list[float]:
-    """Output angles of the joint, rad."""
+    """Returns the output angles of the joint, rad."""
     model = mujoco.MjModel.from_xml_path(model_file)
     data = mujoco.MjData(model)
     time, angle, rate, load, output = np.loadtxt(courses_file, delimiter=",", skiprows=1).T

@@ -1,4 +1,4 @@
-"""The comparison of two laws: it sees a difference, and tells a tie between two points from one."""
+"""Comparison of two laws: it detects a difference, and distinguishes it from a tie between two points."""
 
 import numpy as np
 import pytest

@@ -17,7 +17,7 @@ CURVES = {
 
 
 def brute_distance(curve, p):
-    """Distance by sampling the whole curve, then golden sections around the best sample."""
+    """Distance by sampling the full curve, then golden sections around the best sample."""
     a = np.linspace(0.0, 2.0 * np.pi, 20001)
     c = curve.point(a)
     result = []

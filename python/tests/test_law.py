@@ -244,7 +244,7 @@ def test_line_forces_come_from_an_energy(text):
 
 
 def test_line_contacts_follow_the_approach():
-    # A force found from a depth presses the bodies in by that depth, up to where they are a spring.
+    # The force computed from a depth gives that depth as approach, up to where the contact becomes a linear spring.
     line = LineHertz(3e-8, 5e-8, 0.3, 0.01)
     radius, sleeve = np.full(40, 0.02), np.full(40, 0.006)
     depth = np.geomspace(1e-12, 2e-4, 40)
@@ -308,7 +308,7 @@ def test_internal_contacts_of_another_stiffness():
 
 @pytest.mark.parametrize("law", ["paper", "line-hertz"])
 def test_a_pin_that_bends_is_a_spring_in_series(law):
-    """Contact and pin carry one force and share the approach; what is lost is lost at the contact's share of the rate."""
+    """Contact and pin carry one force and share the approach; the contact's share of the rate causes the loss."""
     rigid = scenes.scene().with_keys("contact", law=law, damping_n_s_m=0.0)
     soft, pin = dataclasses.replace(rigid, pin_n_m=2e6), 2e6
     states = scenes.random_states(rigid, 200)

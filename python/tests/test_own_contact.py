@@ -123,7 +123,7 @@ def test_reachable_segments_cover_the_contact(turn):
         span = (begin, begin + 0.0075)
         for time_s in np.linspace(*span, 3):
             angles, rates = kinematics.ideal(scene, time_s)
-            # A tenth of what ends a run presses pins in as deep as their radius.
+            # A tenth of the angle that ends a run presses pins in as deep as their radius.
             angles[layout.wheel_bodies] += 0.1 * turn * exudyn_own.leeway_rad(scene)
             states = kinematics.states(angles, rates)
             pairs = law.contacts(states[None])

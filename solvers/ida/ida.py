@@ -36,7 +36,7 @@ DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
 class DivergedError(Exception):
-    """The numbers ran away; the courses until then are written."""
+    """The run diverged; the courses until then are written."""
 
 
 class Law:
@@ -65,7 +65,7 @@ class Law:
         self.calls = 0
 
     def evaluate(self) -> None:
-        """Contact loads of `states`, into `loads`."""
+        """Evaluates the contact loads of `states` into `loads`."""
         self.calls += 1
         self._check(self._loads(*self._arguments))
 
@@ -74,7 +74,7 @@ class Law:
         return float(self._c.pinwheel_law_load_torque(self._handle, time_s))
 
     def close(self) -> None:
-        """Gives the scene back, which also tells the harness how often the law was asked."""
+        """Frees the law's scene, which also reports the number of the law's evaluations to the harness."""
         self._c.pinwheel_law_close(self._handle)
 
     def _check(self, status: int) -> None:
@@ -249,7 +249,7 @@ class Courses:
         print(*columns, sep=",", file=self.file)
 
     def row(self, time_s: float, input_torque: float, states: np.ndarray, loads: np.ndarray) -> None:
-        """One sample, from states and contact loads of all bodies."""
+        """Writes one sample, from states and contact loads of all bodies."""
         arm, force = states[self.on_output, :2] - states[OUTPUT, :2], loads[self.on_output, :2]
         # Couples of sleeves on their pins, and the seal.
         own = loads[OUTPUT, 2]
@@ -275,7 +275,7 @@ def motions(drive: dict[str, Any]) -> list[tuple[float, float, float, float]]:
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
     """Returns the times of cuts of the run, jumps and kinks of load and speed and its end, by both clocks.
 
-    A sample there is the same moment but for rounding.
+    A sample within rounding of a cut stands for it on the second clock.
     """
     breaks = {drive["load_ramp_s"]}
     for change in [*(drive.get("load_changes") or []), *(drive.get("speed_changes") or [])]:
@@ -290,7 +290,7 @@ def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float
 
 
 def run(job: Path, library: str) -> None:
-    """One job."""
+    """Runs one job."""
     description = json.loads((job / "scene.json").read_text(encoding="utf-8"))
     scene, samples = description["scene"], description["samples_s"]
     law = Law(library, job)
@@ -364,7 +364,7 @@ def run(job: Path, library: str) -> None:
 
 
 def main() -> int:
-    """The exit status of the job on the command line."""
+    """Runs the job on the command line; returns the exit status."""
     if len(sys.argv) != 3:
         print("usage: python ida.py JOB LAW", file=sys.stderr)
         return USAGE

@@ -36,7 +36,7 @@ constexpr int INPUT = 0;
 constexpr int OUTPUT = 1;
 constexpr int FREE = -2;
 
-// The numbers ran away; courses until then are written.
+// The run diverged; courses until then are written.
 struct Diverged : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -108,7 +108,7 @@ private:
     decltype(&pinwheel_law_load_torque) call_load_torque;
 };
 
-// A number of the job's description by its key, which is unique there.
+// Returns a number of the job's description by its key, which is unique there.
 double number(const std::string& json, const std::string& key) {
     const size_t at = json.find('"' + key + '"');
     const size_t colon = at == std::string::npos ? at : json.find(':', at);
@@ -116,7 +116,7 @@ double number(const std::string& json, const std::string& key) {
     return std::strtod(json.c_str() + colon + 1, nullptr);
 }
 
-// The entries of a list of changes of the job's description.
+// Returns the entries of a list of changes in the job's description.
 std::vector<std::string> changes(const std::string& json, const std::string& key) {
     std::vector<std::string> entries;
     const size_t begin = json.find('"' + key + '"');
@@ -128,8 +128,8 @@ std::vector<std::string> changes(const std::string& json, const std::string& key
     return entries;
 }
 
-// A time at which load or speed jumps or bends: a step across it errs by luck. The sample that is the same moment but for rounding
-// stands for it.
+// Time at which load or speed jumps or bends, for the load (`of_load`) and for the integrator (`time`: the sample within rounding, if
+// there is one). A step across it would have a random error.
 struct Cut {
     double of_load, time;
 };
@@ -205,7 +205,7 @@ public:
 
     const Law& law;
     const SimbodyMatterSubsystem& matter;
-    // One thread a run.
+    // Mutable buffers: a run has one thread.
     mutable std::vector<double> states, loads;
 
 private:

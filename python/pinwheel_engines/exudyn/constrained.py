@@ -223,8 +223,8 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     if own == 0.0 and not rolls.any():
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
-    # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
-    # matrix.
+    # Friction has this form under every law. For laws without a numpy version the paper's law is accurate enough for a
+    # Newton matrix.
     contact = scene.contact
     known = contact.law if contact.law in LAWS else "paper"
     law = ContactLaw(scene.with_keys("contact", law=known, friction_law="regularised", detection="exact"))
@@ -251,7 +251,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
             radius = np.abs(pairs.point_m - (states[pairs.sleeve, 0] + 1j * states[pairs.sleeve, 1]))
             turning = on_pin * np.minimum(0.5 * scene.sleeve_bore_m / radius, 1.0)
             turning /= np.maximum(speed, radius * SLOW_RAD_S)
-            # The smaller moment holds.
+            # Rolling and sliding compete: the smaller moment acts.
             smaller = np.minimum(turning, share) if own > 0.0 else turning
             share = np.where(rolling[pairs.sleeve], smaller, share)
         slope = np.where(pairs.sleeve < rubbing, share * pairs.normal_force_n, 0.0)
