@@ -169,7 +169,7 @@ impl Chromium {
         self.go(&format!("file://{}", page.display()), look);
     }
 
-    /// Removes all that pages stored, as in the browser of another.
+    /// Removes everything that pages stored, as for a new user.
     pub(crate) fn forget(&mut self) {
         self.evaluate("localStorage.clear()");
         self.call("Network.clearBrowserCookies", json!({}));
@@ -253,7 +253,7 @@ impl Chromium {
         self.call("Page.addScriptToEvaluateOnNewDocument", source);
     }
 
-    /// Sheets of A4 that the page takes in print. What is wider than a sheet would shrink all of it, letters included.
+    /// Returns the number of printed A4 sheets of the page. Content wider than a sheet would shrink the page with its letters.
     pub(crate) fn sheets(&mut self) -> usize {
         self.look(Look {
             width: SHEET,

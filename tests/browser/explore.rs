@@ -218,14 +218,14 @@ fn type_at(browser: &mut Chromium, slider: &str, text: &str) {
     browser.evaluate(BALANCED);
 }
 
-/// Text at a slider.
+/// Returns the text at a slider.
 fn typed(browser: &mut Chromium, slider: &str) -> String {
     browser.text(&format!(
         "document.querySelector('#{slider}').parentElement.querySelector('[type=text]').value"
     ))
 }
 
-/// Keys, steps, links and files; and what tolerances that are stated do.
+/// Keys, undo, links, files, and the effect of stated tolerances.
 #[test]
 fn browser_explores_by_numbers_steps_and_links() {
     browse(|browser, dir| {
@@ -238,7 +238,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         let served = Served::with(dir, "gear.toml", &flags);
         browser.go(&served.1, DESK);
         browser.evaluate(SETTLED);
-        // Margin and yield of the tolerances, with how sure the latter is.
+        // Margin and yield of the tolerances, the yield with its confidence.
         let figures = browser.text(FIGURES);
         for part in [
             "least margin of a limit",
@@ -250,7 +250,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         }
         let begun = browser.text(FIGURES);
 
-        // A number as it is typed, in the slider's unit; the state as a file of the reader's.
+        // A typed number in the slider's unit; the state as a downloaded file.
         type_at(browser, "gear-backlash_m", "12,5");
         browser.evaluate(SETTLED);
         let moved = browser.text(FIGURES);
@@ -263,7 +263,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         assert!(text.contains("backlash_m = 0.0000125"), "{text}");
         assert!(text.contains("input_speed_rad_s = 314.159265"), "{text}");
 
-        // Undo and redo, by keys and by the browser's own steps, and no step leaves the page.
+        // Undo and redo by keys and by the browser's history; no step leaves the page.
         let key = |shift: bool| {
             format!(
                 "document.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'z', ctrlKey: true, shiftKey: {shift} }}))"

@@ -117,7 +117,7 @@ const SERIES: &str = r#"(async () => {
   return { looked, faults };
 })()"#;
 
-/// Returns faults of the open page in one look, and the look.
+/// Returns faults of the open page in one look, and its layout.
 fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     browser.look(look);
     let mut layout = browser.evaluate(LOOK_AT);

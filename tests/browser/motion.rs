@@ -76,7 +76,7 @@ const COUNT: &str = r#"(() => {
   for (const name of ['Path2D', 'DOMMatrix', 'OffscreenCanvas']) {
     window[name] = new Proxy(window[name], { construct(kind, given) { count.paths += 1; return new kind(...given); } });
   }
-  // Whatever makes the browser lay out or style the page at once.
+  // Reads that force the browser to lay out or style the page at once.
   for (const name of ['getBoundingClientRect', 'getClientRects']) tap(Element.prototype, name, 'reads');
   tap(window, 'getComputedStyle', 'reads');
   for (const [owner, names] of [[Element.prototype, ['clientWidth', 'clientHeight', 'scrollTop', 'scrollWidth']], [HTMLElement.prototype, ['offsetWidth', 'offsetHeight', 'offsetLeft', 'offsetTop', 'innerText']]]) {
@@ -175,13 +175,13 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.assert_quiet();
 }
 
-/// Paused, scrolled away or in a hidden tab it requests no frame; back in view it continues from its time.
+/// The gearbox requests no frame while paused, scrolled away or in a hidden tab; in view again it continues from its time.
 pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     const WATCH: &str = r#"(async () => {
       const { count } = window.counted;
       const host = document.querySelector('.gearboxes');
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-      // Scrolling may take its time; then no frame may be asked for in the time of many.
+      // Scrolling may take a while; afterwards no frame may be requested during the time of many frames.
       const quiet = async () => { for (let k = 0; k < 40; k += 1) { const before = count.requests; await wait(200); if (count.requests === before) return true; } return false; };
       const busy = async () => { const before = count.requests; for (let k = 0; k < 100 && count.requests < before + 5; k += 1) await wait(50); return count.requests >= before + 5; };
       const hide = (on) => {
@@ -213,7 +213,7 @@ pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     assert!(all.values().all(|v| *v == Value::Bool(true)), "{states}");
 }
 
-/// With late frames on a fine screen it draws fewer pixels in motion, and all of them at rest.
+/// With late frames on a fine screen the gearbox is drawn with fewer pixels in motion, and with all of them at rest.
 pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
     // The clock belongs to the test: frames 40 ms apart on any machine.
     const WATCH: &str = r#"(async () => {
