@@ -309,7 +309,7 @@ fn regress_keys_that_do_nothing_are_named() {
         let keys: Vec<&str> = keys.collect();
         assert_eq!(keys, ["contact.restitution", "base"], "{command}: {notes}");
     }
-    // This change has no effect in the first 5 ms: the comparison with and without it must not stop before.
+    // This change has no effect on the first samples, which are compared first; the later ones must be compared, too.
     let later = "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]";
     assert_eq!(run(later), "");
     for typed in [
