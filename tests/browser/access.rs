@@ -65,7 +65,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
   const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
-  const named = (element) => `${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''}${element.className?.baseVal === undefined && element.className ? `.${element.className.split(' ').join('.')}` : ''} "${(element.textContent || '').trim().slice(0, 30)}"`;
+  const described = (element) => `${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''}${element.className?.baseVal === undefined && element.className ? `.${element.className.split(' ').join('.')}` : ''} "${(element.textContent || '').trim().slice(0, 30)}"`;
   const visible = (element) => element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.unseen, [hidden], .skip');
   const groundOf = (element) => {
     const layers = [];
@@ -91,7 +91,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
     const ratio = contrast(over([r, g, b, a * alpha], ground), ground);
     const size = parseFloat(style.fontSize);
     const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    if (ratio < (large ? 3 : 4.5)) faults.push(`contrast ${ratio.toFixed(2)}: ${named(element)}`);
+    if (ratio < (large ? 3 : 4.5)) faults.push(`contrast ${ratio.toFixed(2)}: ${described(element)}`);
   }
   // ---- Lines against the sheet they are drawn on, and apart from each other
   const probe = document.body.appendChild(document.createElement('i'));
@@ -118,7 +118,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
   // ---- Fingers: 24 px or more
   for (const e of document.querySelectorAll('button, select')) {
     const box = e.getBoundingClientRect();
-    if (visible(e) && !e.classList.contains('sort') && (box.height < 24 || box.width < 24)) faults.push(`small to hit, ${box.width.toFixed(0)} x ${box.height.toFixed(0)}: ${named(e)}`);
+    if (visible(e) && !e.classList.contains('sort') && (box.height < 24 || box.width < 24)) faults.push(`small to hit, ${box.width.toFixed(0)} x ${box.height.toFixed(0)}: ${described(e)}`);
   }
   // ---- Structure
   const headings = [...document.querySelectorAll('h1, h2, h3, h4')].filter(visible).map((h) => Number(h.tagName[1]));
@@ -128,11 +128,11 @@ pub(crate) const ACCESS: &str = r##"(() => {
   ids.forEach((id, k) => { if (ids.indexOf(id) !== k) faults.push(`two of #${id}`); });
   for (const e of document.querySelectorAll('[aria-labelledby]')) for (const id of e.getAttribute('aria-labelledby').split(/\s+/)) if (!document.getElementById(id)) faults.push(`aria-labelledby ${id} is not there`);
   for (const e of document.querySelectorAll('a[href^="#"]')) if (!document.getElementById(decodeURIComponent(e.hash.slice(1)))) faults.push(`link to nothing: ${e.hash}`);
-  for (const e of document.querySelectorAll('table')) if (visible(e) && !e.querySelector('th[scope]')) faults.push(`table without headings: ${named(e)}`);
+  for (const e of document.querySelectorAll('table')) if (visible(e) && !e.querySelector('th[scope]')) faults.push(`table without headings: ${described(e)}`);
   // ---- Scrolling parts can be reached by keys
   for (const e of document.querySelectorAll('main *')) {
     const style = getComputedStyle(e);
-    if (visible(e) && ['auto', 'scroll'].includes(style.overflowX) && e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0 && !e.closest('nav')) faults.push(`scrolls without keys: ${named(e)}`);
+    if (visible(e) && ['auto', 'scroll'].includes(style.overflowX) && e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0 && !e.closest('nav')) faults.push(`scrolls without keys: ${described(e)}`);
   }
   for (const region of ['main', 'header', 'footer', 'nav']) if (!document.querySelector(region)) faults.push(`no ${region}`);
   if (!document.documentElement.lang || !document.title) faults.push('no language or title');
