@@ -43,7 +43,7 @@ def _keep_libraries() -> None:
 
 
 def get_requires_for_build_wheel(_settings: dict | None = None) -> list[str]:
-    """Nothing beside maturin."""
+    """Returns no requirements beside maturin."""
     _stop_without_rust()
     return []
 
@@ -53,7 +53,7 @@ def build_wheel(directory: str, config_settings: dict | None = None, metadata_di
     _stop_without_rust()
     print("compiling: 3 to 8 minutes the first time", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as first:
-        # Compiles; the second call packs what is there, with the libraries.
+        # The first call compiles; the second one packs the module with the libraries.
         maturin.build_wheel(first, config_settings, metadata_directory)
     _keep_libraries()
     return maturin.build_wheel(directory, config_settings, metadata_directory)

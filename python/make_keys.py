@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def annotation(schema: dict) -> str:
-    """The type of what a key holds."""
+    """Returns the type of a key's values."""
     if "enum" in schema:
         return f"Literal[{', '.join(json.dumps(name) for name in schema['enum'])}]"
     kinds = schema["type"]
@@ -35,19 +35,19 @@ def annotation(schema: dict) -> str:
 
 
 def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:
-    """Every key in full, with its schema."""
-    found = {}
+    """Returns every key in full, with its schema."""
+    keys = {}
     for name, inner in schema["properties"].items():
         full = f"{prefix}{name}"
         if full == "uncertain":
             continue
-        found.update(leaves(inner, f"{full}.") if "properties" in inner else {full: inner})
-    return found
+        keys.update(leaves(inner, f"{full}.") if "properties" in inner else {full: inner})
+    return keys
 
 
 def columns() -> list[str]:
-    """Names that a run answers to, of a gear as large as most: all but those of single pins and of single pairs, which are
-    too many to read in a message; their shared names are there.
+    """Returns the column names of a run of a gear of usual size: pins and pairs by their shared names, as single ones
+    would be too many to read in a message.
     """
     large = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, wheels=3, output_pins=16)
     run = large.with_(duration_s=1e-5, sample_s=1e-5, channels=["*"]).run("native", check=False)
@@ -56,7 +56,7 @@ def columns() -> list[str]:
 
 
 def text() -> str:
-    """The module."""
+    """Returns the text of the module."""
     keys = leaves(json.loads(_core.schema()))
     bare: dict[str, str] = {}
     for full in keys:
@@ -68,7 +68,7 @@ def text() -> str:
         except ValueError:  # it stands for several
             continue
     counts = sorted(full for full, schema in keys.items() if schema.get("type") == "integer")
-    lines = [HEAD, "# Keys that hold whole numbers.", "COUNTS = frozenset("]
+    lines = [HEAD, "# Keys with integer values.", "COUNTS = frozenset("]
     lines += ["    {", *(f'        "{name}",' for name in counts), "    }", ")", ""]
     lines += ["", "class Keys(TypedDict, total=False):", '    """Keys by their last part, and tables."""', ""]
     lines += [f"    {table}: Mapping[str, Any]" for table in TABLES]

@@ -38,7 +38,7 @@ pub fn attempt(engine: &str, scene: &Scene) -> Run {
 /// # Panics
 /// If it does not.
 #[must_use]
-pub fn whole(engine: &str, scene: &Scene) -> Run {
+pub fn finished(engine: &str, scene: &Scene) -> Run {
     match attempt(engine, scene).finished() {
         Ok(run) => run,
         Err(ending) => panic!("{engine} {ending}"),
@@ -51,7 +51,7 @@ pub fn whole(engine: &str, scene: &Scene) -> Run {
 /// If it does.
 #[must_use]
 pub fn run(engine: &str, scene: &Scene) -> TimeSeries {
-    whole(engine, scene).time_series
+    finished(engine, scene).time_series
 }
 
 /// Makes a native run of a scene with another method and step.

@@ -1,4 +1,4 @@
-//! Inputs to begin with: the project's own files, cut short where they are long, and those under `fuzz/corpus`.
+//! Seeds: files of the project, shortened where they are long, and those under `fuzz/corpus`.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use pinwheel_timeseries::TimeSeries;
 
 use crate::targets::PARTS;
 
-/// Longer seeds would spend the time on copying.
+/// Largest size of a seed, bytes. Longer ones would spend the time on copying.
 const LONGEST: usize = 6000;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Files of a folder of the repository, in the order of their names; a folder that is not there has none.
+/// Returns the files of a folder of the repository, sorted by name; none if the folder is absent.
 fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
     let entries = std::fs::read_dir(root().join(folder))
         .into_iter()
@@ -31,12 +31,12 @@ fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// `first` and `second` as one input.
+/// Joins two texts into one input.
 fn joined(first: &str, second: &str) -> Vec<u8> {
     [first, PARTS, second].concat().into_bytes()
 }
 
-/// The first lines of a text, whole ones.
+/// Returns the first complete lines of a text.
 fn beginning(text: &str, most: usize) -> String {
     let lines = text.split_inclusive('\n');
     let mut kept = String::new();
@@ -225,7 +225,7 @@ pub fn time_series() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Manifests of the solvers that ship, and of one that does not.
+/// Manifests of the example solvers, and of one solver of the tests.
 #[must_use]
 pub fn manifests() -> Vec<Vec<u8>> {
     let folders = std::fs::read_dir(root().join("examples/solvers"));
@@ -262,8 +262,8 @@ pub fn parquet() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Questions to a server: those of its page, and some that other servers took for two (bodies in chunks with a length too, lengths
-/// given twice, names of headers with spaces) or for no end.
+/// Requests to a server: those of its page, and some that other servers took for two (bodies in chunks with a length too, lengths
+/// given twice, names of headers with spaces) or for endless ones.
 #[must_use]
 pub fn requests() -> Vec<Vec<u8>> {
     files("fuzz/corpus/requests", "")

@@ -1,7 +1,7 @@
-//! Fuzzing of everything that reads what others wrote.
+//! Fuzzing of all readers of foreign input.
 //!
-//! A target ([`targets`]) takes any bytes and panics where the reader does, or where what it accepts is unsound. The same
-//! functions run in two ways:
+//! A target ([`targets`]) takes any bytes and panics if the reader does, or if it accepts unsound input. Targets
+//! run in two ways:
 //!
 //! * `cargo test -p pinwheel-fuzz` needs nothing else: inputs are mutated from the files of `reference/` and `fuzz/corpus/`
 //!   by fixed seeds, for a few seconds or as long as `PINWHEEL_FUZZ_S` says.
@@ -19,15 +19,15 @@ pub mod targets;
 
 /// A reader under test.
 pub struct Target {
-    /// Its name, as in [`targets`].
+    /// Name, as of its file in `fuzz_targets`.
     pub name: &'static str,
-    /// Takes any bytes; true if they were accepted. Panics on a finding.
+    /// Takes any bytes and returns true if they were accepted. Panics on a finding.
     pub run: fn(&[u8]) -> bool,
-    /// Inputs to begin with.
+    /// Returns the seeds.
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 
-/// All of them.
+/// All readers under test.
 pub const TARGETS: &[Target] = &[
     Target {
         name: "scene",

@@ -1,18 +1,18 @@
-//! Inputs from seeds: bytes, lines and numbers changed by a generator with a fixed seed.
+//! Inputs from seeds: bytes, lines and numbers changed by a random generator with a fixed seed.
 
 use pinwheel_studies::rng::Rng;
 
-/// Numbers from a seed.
+/// Random numbers from a seed.
 pub struct Random(Rng);
 
 impl Random {
-    /// Equal seeds give equal numbers.
+    /// Makes a generator; equal seeds give equal numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Rng::new(seed))
     }
 
-    /// Below `most`; 0 where that is 0.
+    /// Returns a number below `most`, or 0 if `most` is 0.
     pub fn below(&mut self, most: usize) -> usize {
         self.0.integer(0, most.max(1) - 1)
     }
@@ -22,7 +22,7 @@ impl Random {
     }
 }
 
-/// Numbers at the ends of what can be written, and what is none.
+/// Extreme numbers, and texts that are no finite number.
 const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -78,7 +78,7 @@ const NUMBERS: &[&str] = &[
     "1979-05-27",
 ];
 
-/// Pieces that mean something to one of the readers.
+/// Pieces with a meaning for one of the readers.
 const WORDS: &[&str] = &[
     "\n",
     "=",
@@ -136,10 +136,10 @@ const WORDS: &[&str] = &[
     "channels = [\"*\"]\n",
 ];
 
-/// Longest input.
+/// Longest input, bytes.
 const LONGEST: usize = 1 << 16;
 
-/// The `number`-th input from these seeds.
+/// Returns the `number`-th input from these seeds.
 #[must_use]
 pub fn input(seeds: &[Vec<u8>], number: u64) -> Vec<u8> {
     let mut random = Random::new(number.wrapping_mul(0x2545_f491_4f6c_dd1d) ^ 0x5eed);
@@ -196,18 +196,18 @@ fn change(bytes: &mut Vec<u8>, seeds: &[Vec<u8>], random: &mut Random) {
     }
 }
 
-/// A piece of at most 64 bytes.
+/// Returns a random range of at most 64 bytes.
 fn span(bytes: &[u8], random: &mut Random) -> [usize; 2] {
     let from = random.below(bytes.len() + 1);
     let to = from + random.below(64.min(bytes.len() - from) + 1);
     [from, to]
 }
 
-/// Another number in place of one.
+/// Replaces a number by another one.
 fn number(bytes: &mut Vec<u8>, random: &mut Random) {
     let digit = |byte: u8| byte.is_ascii_digit();
     let part = |byte: u8| byte.is_ascii_alphanumeric() || b"+-._".contains(&byte);
-    // The beginning of a number after a random place: a digit that follows no letter or digit.
+    // Searches, from a random place on, the beginning of a number: a digit that follows no letter or digit.
     let start = random.below(bytes.len());
     let places = (start..bytes.len()).chain(0..start);
     let mut begins = places
@@ -217,7 +217,7 @@ fn number(bytes: &mut Vec<u8>, random: &mut Random) {
         .find(|&k| !part(bytes[k]))
         .unwrap_or(bytes.len());
     let new: Vec<u8> = match random.below(4) {
-        // Distances of typing errors.
+        // Typing errors: another decimal place, factor or sign.
         0 => match std::str::from_utf8(&bytes[from..to])
             .ok()
             .and_then(|text| text.parse::<f64>().ok())
@@ -233,7 +233,7 @@ fn number(bytes: &mut Vec<u8>, random: &mut Random) {
     bytes.splice(from..to, new);
 }
 
-/// A line left out, doubled or moved.
+/// Removes, doubles or moves a line.
 fn lines(bytes: &mut Vec<u8>, random: &mut Random) {
     let mut lines: Vec<Vec<u8>> = bytes
         .split_inclusive(|&b| b == b'\n')

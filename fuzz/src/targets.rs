@@ -1,4 +1,4 @@
-//! One function a reader: any bytes in, true if they were accepted. What must hold is asserted.
+//! One function per reader: takes any bytes, asserts the reader's invariants, and returns true if the bytes were accepted.
 
 use std::path::Path;
 
@@ -15,12 +15,12 @@ use pinwheel_timeseries::foreign::{Map, read, resample, shift};
 
 use crate::loopback::Question;
 
-/// Stands between the parts of an input that is two files.
+/// Separator of the parts of an input that stands for two files.
 pub const PARTS: &str = "\n%%%%\n";
 
-/// Steps of [`first_steps`].
+/// Number of steps of [`first_steps`].
 const STEPS: f64 = 40.0;
-/// Runs of a sweep that are planned.
+/// Largest sweep that is planned, in runs.
 const RUNS: usize = 64;
 
 fn text(bytes: &[u8]) -> Option<&str> {
@@ -31,15 +31,15 @@ fn parts(bytes: &[u8]) -> Option<(&str, &str)> {
     text(bytes)?.split_once(PARTS)
 }
 
-/// Two parts of which the second may be no UTF-8.
+/// Splits an input into two parts, of which only the first must be UTF-8.
 fn text_and_bytes(bytes: &[u8]) -> Option<(&str, &[u8])> {
     let mut places = bytes.windows(PARTS.len());
     let at = places.position(|part| part == PARTS.as_bytes())?;
     Some((text(&bytes[..at])?, &bytes[at + PARTS.len()..]))
 }
 
-/// A message says something.
-fn told(error: &dyn std::fmt::Display) {
+/// Checks that an error's message is not empty.
+fn check_message(error: &dyn std::fmt::Display) {
     assert!(!error.to_string().trim().is_empty());
 }
 
@@ -49,19 +49,19 @@ fn finite(what: &str, values: impl IntoIterator<Item = f64>) {
     }
 }
 
-/// No word of what is shown is a number that there is none of.
+/// Checks that `shown` contains no infinite or undefined number.
 fn no_numberless(what: &str, shown: &str) {
     let mut words = shown.split(|c: char| !c.is_alphanumeric());
-    let found = words.find(|word| ["inf", "NaN", "infinity"].contains(word));
-    assert!(found.is_none(), "{what}: {shown}");
+    let wrong = words.find(|word| ["inf", "NaN", "infinity"].contains(word));
+    assert!(wrong.is_none(), "{what}: {shown}");
 }
 
 fn load(text: &str, sets: &[Override]) -> Option<CheckedScene> {
-    // Seeds come without `base`, and what mutation makes of it is looked for here.
+    // Seeds have no `base`; one that a mutation adds is looked up relative to this missing file.
     match Scene::from_toml(text, "/nonexistent/fuzz.toml", sets) {
         Ok(scene) => Some(scene),
         Err(error) => {
-            told(&error);
+            check_message(&error);
             None
         }
     }
@@ -75,7 +75,7 @@ fn sound(scene: &CheckedScene) -> Option<Gearbox> {
             again.clone().into_scene() == scene.clone().into_scene(),
             "read again"
         ),
-        Err(error) => panic!("what was accepted is refused when read again: {error}"),
+        Err(error) => panic!("an accepted scene is refused when read again: {error}"),
     }
     let scales = Scales::of(scene);
     let sizes = [
@@ -93,19 +93,19 @@ fn sound(scene: &CheckedScene) -> Option<Gearbox> {
             Some(gearbox)
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             None
         }
     }
 }
 
-/// A scene file.
+/// Reads a scene file.
 pub fn scene(bytes: &[u8]) -> bool {
     let scene = text(bytes).and_then(|text| load(text, &[]));
     scene.as_ref().and_then(sound).is_some()
 }
 
-/// `--set KEY=VALUE`, one a line, on the preset `paper`.
+/// Applies `--set KEY=VALUE`, one a line, to the preset `paper`.
 pub fn settings(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else {
         return false;
@@ -114,19 +114,19 @@ pub fn settings(bytes: &[u8]) -> bool {
     for line in text.lines().filter(|line| !line.trim().is_empty()) {
         match line.parse::<Override>() {
             Ok(set) => sets.push(set),
-            Err(error) => told(&error),
+            Err(error) => check_message(&error),
         }
     }
     match Scene::load("paper", &sets) {
         Ok(scene) => sound(&scene).is_some(),
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A scene file, and the first steps of its run: they end, and what they give is finite or said to have diverged.
+/// Reads a scene file and runs its first steps: they end, with finite results or a reported divergence.
 pub fn first_steps(bytes: &[u8]) -> bool {
     let Some(scene) = text(bytes).and_then(|text| load(text, &[])) else {
         return false;
@@ -155,25 +155,25 @@ pub fn first_steps(bytes: &[u8]) -> bool {
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A map of foreign data.
+/// Reads a map of foreign data.
 pub fn map(bytes: &[u8]) -> bool {
     match text(bytes).map(|text| Map::from_toml(text, "map.toml")) {
         Some(Ok(_)) => true,
         Some(Err(error)) => {
-            told(&error);
+            check_message(&error);
             false
         }
         None => false,
     }
 }
 
-/// A map and its file: what is read is finite, and so is what it gives at the times of a run, and where it fits itself.
+/// Reads a map and its data file: values, their shift against themselves and their resampling are finite.
 pub fn foreign(bytes: &[u8]) -> bool {
     let Some((map, csv)) = text_and_bytes(bytes) else {
         return false;
@@ -181,44 +181,44 @@ pub fn foreign(bytes: &[u8]) -> bool {
     let Ok(map) = Map::from_toml(map, "map.toml") else {
         return false;
     };
-    let found = match read(csv, &map) {
-        Ok(found) => found,
+    let foreign = match read(csv, &map) {
+        Ok(foreign) => foreign,
         Err(error) => {
-            told(&error);
+            check_message(&error);
             return false;
         }
     };
-    finite("time", found.time_series.time_s().iter().copied());
-    for channel in found.time_series.channels() {
+    finite("time", foreign.time_series.time_s().iter().copied());
+    for channel in foreign.time_series.channels() {
         finite(&channel.name, channel.values.iter().copied());
     }
-    let (series, time) = (&found.time_series, found.time_series.time_s());
+    let (series, time) = (&foreign.time_series, foreign.time_series.time_s());
     let shortest = time.windows(2).map(|pair| pair[1] - pair[0]);
     let shortest = shortest.fold(f64::INFINITY, f64::min);
     // A finer grid than of some thousand points takes too long for millions of inputs.
     if time[time.len() - 1] - time[0] < 1000.0 * shortest {
         match shift(series, series) {
             Ok(fit) => finite("shift", [fit.seconds, fit.uncertainty_s, fit.unshifted]),
-            Err(why) => told(&why),
+            Err(why) => check_message(&why),
         }
     }
     let times: Vec<f64> = (0..50).map(|k| f64::from(k) * 1e-4).collect();
-    match resample(&found.time_series, &times, map.resample) {
+    match resample(&foreign.time_series, &times, map.resample) {
         Ok(on) => {
             assert_eq!(on.time_series.len(), times.len());
             let values = on.time_series.channels().iter().flat_map(|c| &c.values);
-            // NaN says that the file says nothing at that time.
+            // NaN marks times that the file does not cover.
             assert!(values.clone().all(|value| !value.is_infinite()));
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A sweep file, and the plan of a small one.
+/// Reads a sweep file, and plans a small sweep.
 pub fn sweep(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else {
         return false;
@@ -226,7 +226,7 @@ pub fn sweep(bytes: &[u8]) -> bool {
     let sweep = match Sweep::from_toml(text, Path::new("/nonexistent/fuzz.toml")) {
         Ok(sweep) => sweep,
         Err(error) => {
-            told(&error);
+            check_message(&error);
             return false;
         }
     };
@@ -242,26 +242,26 @@ pub fn sweep(bytes: &[u8]) -> bool {
             assert_eq!(plan.len(), runs);
             for run in 0..runs {
                 if let Err(error) = plan.run(run) {
-                    told(&error);
+                    check_message(&error);
                 }
             }
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A baseline.
+/// Reads a baseline.
 pub fn baseline(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(bytes) else {
         return false;
     };
     match Baseline::parse(Path::new("baseline.toml"), text) {
-        Ok(found) => {
-            for converged in found
+        Ok(baseline) => {
+            for converged in baseline
                 .scenes
                 .iter()
                 .flat_map(|scene| scene.converged.values())
@@ -273,104 +273,104 @@ pub fn baseline(bytes: &[u8]) -> bool {
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A recording: its description and its time series.
+/// Reads a recording: description and time series.
 pub fn recording(bytes: &[u8]) -> bool {
     let Some((description, csv)) = parts(bytes) else {
         return false;
     };
     match Recording::read(description, csv) {
-        Ok(found) => {
-            if let Err(error) = found.write() {
-                told(&error);
+        Ok(recording) => {
+            if let Err(error) = recording.write() {
+                check_message(&error);
             }
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// A kept run without its hash, which would let no change through.
+/// Reads a kept run without its hash, which would reject every mutation.
 pub fn kept(bytes: &[u8]) -> bool {
     kept::internals::reads(bytes)
 }
 
-/// The manifest of a solver. It is only read here: nothing that it names is run.
+/// Reads the manifest of a solver. No command of it is run.
 pub fn manifest(bytes: &[u8]) -> bool {
     let Some(text) = text(bytes) else {
         return false;
     };
     match Manifest::from_toml(text, "solver.toml") {
-        Ok(found) => {
-            assert!(Manifest::is_name(&found.name).is_ok(), "{}", found.name);
+        Ok(solver) => {
+            assert!(Manifest::is_name(&solver.name).is_ok(), "{}", solver.name);
             assert!(
-                found
+                solver
                     .command
                     .first()
                     .is_some_and(|program| !program.is_empty())
             );
-            finite("timeout", [found.timeout_s]);
-            finite("order", found.refine.iter().map(|refine| refine.order));
+            finite("timeout", [solver.timeout_s]);
+            finite("order", solver.refine.iter().map(|refine| refine.order));
             finite(
                 "tolerance",
-                found.model.values().map(|stated| stated.tolerance),
+                solver.model.values().map(|stated| stated.tolerance),
             );
             assert!(
-                names::laws().iter().any(|law| found.honours_law(law))
-                    || found.honours.laws.is_empty()
+                names::laws().iter().any(|law| solver.honours_law(law))
+                    || solver.honours.laws.is_empty()
             );
             true
         }
         Err(error) => {
-            told(&error);
+            check_message(&error);
             assert!(!error.to_string().contains('\n'), "one line: {error}");
             false
         }
     }
 }
 
-/// Time series as CSV: what is read is written and read the same again.
+/// Reads time series as CSV: accepted series are equal after writing and reading again.
 pub fn time_series(bytes: &[u8]) -> bool {
-    let found = match TimeSeries::read_csv(bytes) {
-        Ok(found) => found,
+    let series = match TimeSeries::read_csv(bytes) {
+        Ok(series) => series,
         Err(error) => {
-            told(&error);
+            check_message(&error);
             return false;
         }
     };
     let mut written = Vec::new();
-    match found
+    match series
         .write_csv(&mut written)
         .map(|()| TimeSeries::read_csv(written.as_slice()))
     {
-        Ok(Ok(again)) => assert!(alike(&found, &again), "read again"),
-        Ok(Err(error)) => panic!("what was written is refused: {error}"),
-        Err(error) => told(&error),
+        Ok(Ok(again)) => assert!(alike(&series, &again), "read again"),
+        Ok(Err(error)) => panic!("a written series is refused: {error}"),
+        Err(error) => check_message(&error),
     }
     true
 }
 
-/// Time series as Parquet.
+/// Reads time series as Parquet.
 #[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) -> bool {
     match pinwheel_timeseries::read_time_series(bytes::Bytes::copy_from_slice(bytes), 1 << 20) {
-        Ok(found) => !found.is_empty(),
+        Ok(series) => !series.is_empty(),
         Err(error) => {
-            told(&error);
+            check_message(&error);
             false
         }
     }
 }
 
-/// Equal, NaN being equal to itself.
+/// Compares time series by their bits; NaN equals NaN.
 fn alike(a: &TimeSeries, b: &TimeSeries) -> bool {
     let bits = |time_series: &TimeSeries| -> Vec<(String, Vec<u64>)> {
         let bits = |values: &[f64]| {
@@ -388,8 +388,8 @@ fn alike(a: &TimeSeries, b: &TimeSeries) -> bool {
     bits(a) == bits(b)
 }
 
-/// What the server of `pinwheel explore` is asked: read in pieces it is the question that it is in one, nothing in its head ends a
-/// line, and its body is as long as its one length says.
+/// Reads a request to the server of `pinwheel explore`: a request in pieces gives the same question as one in a single piece,
+/// its head has no control characters, and its body has the length of its only `Content-Length`.
 pub fn requests(bytes: &[u8]) -> bool {
     let all = Question::read(bytes);
     for part in 1..4 {

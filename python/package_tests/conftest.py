@@ -1,4 +1,4 @@
-"""Shared by the tests of the package pinwheel. They run where it is installed, from this folder."""
+"""Fixtures of the tests of the package pinwheel, which run from this folder in an environment with the package."""
 
 import signal
 import subprocess

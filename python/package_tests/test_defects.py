@@ -21,11 +21,11 @@ SHORT = Scene("paper", duration_s=0.004)
 
 
 def test_a_comparison_knows_engines_as_they_were_asked_for():
-    found = pinwheel.compare(SHORT.with_(duration_s=2e-4), ["native", my_euler])
-    assert found["native"] is found["native-reduced"]
-    assert found[my_euler] is found["my-euler"] is found["my_euler"]
+    comparison = pinwheel.compare(SHORT.with_(duration_s=2e-4), ["native", my_euler])
+    assert comparison["native"] is comparison["native-reduced"]
+    assert comparison[my_euler] is comparison["my-euler"] is comparison["my_euler"]
     with pytest.raises(KeyError, match="did you mean `native-reduced`"):
-        found["native-reducd"]
+        comparison["native-reducd"]
 
 
 def test_two_sweeps_without_a_folder_are_both_there(tmp_path, monkeypatch):
@@ -95,11 +95,11 @@ def test_figures_come_with_what_is_known_of_them(tmp_path):
     run.save(tmp_path)
     assert pinwheel.Run.load(tmp_path).results == run.results
     gear = pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True)
-    run, found = gear.with_(duration_s=0.004).run(), pinwheel.statics(gear)
+    run, design = gear.with_(duration_s=0.004).run(), pinwheel.statics(gear)
     assert "by contact law" in str(run) and run.by_contact_law["figures"]
-    assert str(found["lost_motion_arcmin"]).startswith("lost motion: 0.054 arcmin (0.049 to 0.073 by contact law")
-    for figure in found.values():
-        assert figure.shown in str(found) and f"<td>{figure.shown}</td>" in found._repr_html_()
+    assert str(design["lost_motion_arcmin"]).startswith("lost motion: 0.054 arcmin (0.049 to 0.073 by contact law")
+    for figure in design.values():
+        assert figure.shown in str(design) and f"<td>{figure.shown}</td>" in design._repr_html_()
 
 
 def test_no_number_has_no_force():
@@ -122,8 +122,8 @@ def test_the_function_sweep_stays_one():
 
 def test_a_table_of_statics_shows_figures(tmp_path):
     small = {"points": 2, "backlash_m": {"from": 2e-6, "to": 8e-6}}
-    found = pinwheel.sweep(Scene("steel"), sample=small, engines="statics", out=tmp_path / "out")
-    assert "<th>lost_motion_arcmin</th>" in found._repr_html_()
+    sweep = pinwheel.sweep(Scene("steel"), sample=small, engines="statics", out=tmp_path / "out")
+    assert "<th>lost_motion_arcmin</th>" in sweep._repr_html_()
 
 
 def test_wrong_words_of_a_sweep():
@@ -137,18 +137,18 @@ def test_wrong_words_of_a_sweep():
 
 
 def test_keys_change_together(tmp_path):
-    found = pinwheel.sweep(
+    sweep = pinwheel.sweep(
         SHORT.with_(duration_s=1e-3), together={"wheels": [1, 2], "output_torque_n_m": [11.0, 22.0]}, out=tmp_path / "out"
     )
-    assert list(zip(found["gear.wheels"], found["drive.output_torque_n_m"], strict=True)) == [(1, 11.0), (2, 22.0)]
+    assert list(zip(sweep["gear.wheels"], sweep["drive.output_torque_n_m"], strict=True)) == [(1, 11.0), (2, 22.0)]
 
 
 def test_a_scene_is_read_once(monkeypatch):
     import tomllib
 
-    scene, seen, read = Scene("paper"), [], tomllib.loads
-    monkeypatch.setattr(tomllib, "loads", lambda text: seen.append(text) or read(text))
-    assert {scene["gear.wheels"] for _ in range(100)} == {2} and len(seen) == 1
+    scene, texts, read = Scene("paper"), [], tomllib.loads
+    monkeypatch.setattr(tomllib, "loads", lambda text: texts.append(text) or read(text))
+    assert {scene["gear.wheels"] for _ in range(100)} == {2} and len(texts) == 1
     scene["gear"]["wheels"] = 3
     assert scene["gear.wheels"] == 2, "what is handed out is a copy"
 
@@ -156,9 +156,9 @@ def test_a_scene_is_read_once(monkeypatch):
 def test_progress_never_runs_backwards(monkeypatch):
     import tqdm
 
-    from pinwheel._progress import telling
+    from pinwheel._progress import reporting
 
-    made, seen = [], []
+    made, shares = [], []
     monkeypatch.setattr(tqdm, "tqdm", lambda **_: made.append(Bar()) or made[-1])
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
 
@@ -169,16 +169,16 @@ def test_progress_never_runs_backwards(monkeypatch):
             pass
 
         def refresh(self):
-            seen.append(self.n / self.total)
+            shares.append(self.n / self.total)
 
         def close(self):
-            seen.append("closed")
+            shares.append("closed")
 
-    with telling(True, "sweep") as told:
+    with reporting(True, "sweep") as report:
         # Two runs beside each other, then the next begins.
         for done, simulated in ((0, 0.5), (0, 0.2), (1, 0.9), (1, 0.0), (2, 0.0)):
-            told(done, 2, "run", simulated, 1.0)
-    assert seen == [0.25, 0.25, 0.95, 0.95, 1.0, "closed"]
+            report(done, 2, "run", simulated, 1.0)
+    assert shares == [0.25, 0.25, 0.95, 0.95, 1.0, "closed"]
 
 
 def test_keys_and_columns_complete_by_tab():
@@ -213,9 +213,9 @@ def test_remedies_of_a_text_are_ways_of_python(tmp_path):
         ("steel", ["native", my_euler]),
         (ideal.with_(duration_s=0.004), ()),
     ):
-        found = pinwheel.compare(scene, engines, longest_s=0.5)
-        texts.append(str(found))
-        assert "--" not in found.details()
+        comparison = pinwheel.compare(scene, engines, longest_s=0.5)
+        texts.append(str(comparison))
+        assert "--" not in comparison.details()
     texts += [str(pinwheel.statics("steel")), str(pinwheel.explain("paper"))]
     texts.append(str(pinwheel.sweep(SHORT, vary={"backlash_m": [0.0, 1e-4]}, engines="native", out=tmp_path / "out")))
     cargo = "cargo install --path crates/cli --features crossval"  # adds engines that Python cannot
@@ -228,7 +228,7 @@ def test_remedies_of_a_text_are_ways_of_python(tmp_path):
 def test_flags_are_said_in_python():
     from pinwheel._page import plain
 
-    for told, here in (
+    for text, here in (
         ("of 2026-11-28; --fresh runs them", "`fresh=True` runs them"),
         ("not here; build with --features crossval", "where it is built with its feature crossval"),
         ("not asked for; run it without --engines", "not asked for; name no engines"),
@@ -246,7 +246,7 @@ def test_flags_are_said_in_python():
         ("--set solver.step_s=1e-6", '`with_({"solver.step_s": 1e-6})`'),
         ("pinwheel design of this scene", "`pinwheel.design` of this scene"),
     ):
-        assert here in " ".join(plain(told).split()), plain(told)
+        assert here in " ".join(plain(text).split()), plain(text)
     # Cells without a flag stay as they are, line for line.
     table = "a  b\n1  2\n\n   x\n    y\nlabel         text that\n              goes on"
     assert plain(table) == table

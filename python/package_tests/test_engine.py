@@ -42,18 +42,18 @@ def test_it_solves_the_same_equations():
 
 
 def test_comparison_takes_it():
-    found = pinwheel.compare(SHORT, ["native-reduced", my_rk4])
-    assert found.passed and {v.verdict for v in found.verdicts} == {"agree"}
-    mine = next(engine for engine in found.data["engines"] if engine["name"] == "my-rk4")
+    comparison = pinwheel.compare(SHORT, ["native-reduced", my_rk4])
+    assert comparison.passed and {v.verdict for v in comparison.verdicts} == {"agree"}
+    mine = next(engine for engine in comparison.data["engines"] if engine["name"] == "my-rk4")
     assert mine["refinement"]["order"] == 4.0
 
 
 def test_sweep_and_bench_take_it(tmp_path):
-    found = pinwheel.sweep(
+    sweep = pinwheel.sweep(
         SHORT.with_(duration_s=1e-3), vary={"backlash_m": [0.0, 1e-4]}, engines=["native", my_rk4], out=tmp_path / "out"
     )
-    assert list(found["engine"]) == ["native-reduced", "my-rk4"] * 2 and not found.unfinished
-    assert np.ptp(found["mean_input_torque_n_m"][:2]) < 1e-3 * found["mean_input_torque_n_m"][0]
+    assert list(sweep["engine"]) == ["native-reduced", "my-rk4"] * 2 and not sweep.unfinished
+    assert np.ptp(sweep["mean_input_torque_n_m"][:2]) < 1e-3 * sweep["mean_input_torque_n_m"][0]
     measured = pinwheel.bench(SHORT.with_(duration_s=1e-3), [my_rk4], longest_s=0.5, repeats=1)
     assert any(row["engine"] == "my-rk4" for row in measured.rows)
 
@@ -86,13 +86,13 @@ def test_an_engine_of_which_nothing_is_shown_does_not_pass():
 
     for engine, error in [(no_number, pinwheel.EngineFailed), (wild, None)]:
         try:
-            found = pinwheel.compare(SHORT, ["native-reduced", engine])
+            comparison = pinwheel.compare(SHORT, ["native-reduced", engine])
             assert error is None
         except pinwheel.EngineFailed as caught:
             assert error is not None
-            found = caught.comparison
-        assert not found.passed and f"{engine.name}: nothing shown: its run" in found.findings[0]
-        assert found.findings[0].split(":")[0] in str(found).splitlines()[3]
+            comparison = caught.comparison
+        assert not comparison.passed and f"{engine.name}: nothing shown: its run" in comparison.findings[0]
+        assert comparison.findings[0].split(":")[0] in str(comparison).splitlines()[3]
 
 
 def test_it_cannot_end_early_or_run_away():
@@ -123,6 +123,6 @@ def test_names_and_versions():
 def test_exudyn_and_mujoco_in_this_interpreter():
     names = [engine.name for engine in pinwheel.engines()]
     assert "mujoco-shared-law" in names and "exudyn-shared-law-explicit" in names
-    found = pinwheel.compare(SHORT, ["native-resolved", "mujoco-shared-law", "exudyn-shared-law-explicit"])
-    assert set(found.engines.values()) == {"finished"}
-    assert {v.verdict for v in found.verdicts} == {"agree"}
+    comparison = pinwheel.compare(SHORT, ["native-resolved", "mujoco-shared-law", "exudyn-shared-law-explicit"])
+    assert set(comparison.engines.values()) == {"finished"}
+    assert {v.verdict for v in comparison.verdicts} == {"agree"}

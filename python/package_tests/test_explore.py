@@ -1,4 +1,4 @@
-"""A live page from Python."""
+"""Live page from Python."""
 
 import os
 import subprocess

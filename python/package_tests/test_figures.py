@@ -1,4 +1,4 @@
-"""One name, one figure, one unit; and what is asked for by a wrong name."""
+"""Figures have one name and one unit; a wrong name gives a suggestion."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from pinwheel import Missing, Scene, _core
 SHORT = Scene("paper", duration_s=0.004)
 UNITS = {key: unit or "1" for key, _, unit, _ in _core.figures()}
 STATISTICS = ("mean", "least", "min", "max", "rms", "peak")
-# Of a sweep alone: where a run's figures are from.
+# Columns of a sweep only, which describe the window and the balance of a run's figures.
 OWN = {"diverged_at_s", "window_from_s", "window_to_s", "efficiency_accounted", "energy_remainder_share"}
 
 
@@ -24,13 +24,13 @@ def test_every_study_has_the_figures_of_the_list(tmp_path):
     assert {"lost_motion_arcmin", "efficiency_rated_percent", "mean_input_torque_n_m"} <= keys
     vary = {"backlash_m": [2e-6, 4e-6]}
     for engine in ("statics", "native"):
-        found = pinwheel.sweep(
+        sweep = pinwheel.sweep(
             Scene("steel", duration_s=0.004), vary=vary, engines=engine, out=tmp_path / engine, progress=False
         )
-        names = list(found)
+        names = list(sweep)
         figures = names[names.index("status") + 1 : names.index("reason")]
         keys |= {*figures} - OWN - {"steps", "rhs_calls"}
-        data = found.to_xarray()
+        data = sweep.to_xarray()
         for name, units in ((name, one.attrs.get("units")) for name, one in data.data_vars.items()):
             assert units == UNITS.get(name, units), name
         assert data["gear.backlash_m"].attrs == {"units": "m"}
@@ -43,20 +43,20 @@ def test_every_study_has_the_figures_of_the_list(tmp_path):
 
 def test_a_wrong_name_is_an_error_of_ours(tmp_path):
     swept = pinwheel.sweep(SHORT, vary={"backlash_m": [0.0, 1e-5]}, engines="native", out=tmp_path / "out", progress=False)
-    run, found = SHORT.run("native", check=False), pinwheel.statics("steel")
+    run, design = SHORT.run("native", check=False), pinwheel.statics("steel")
     for ask in (
         lambda: run["input_torqe_n_m"],
         lambda: run.plot("input_torqe_n_m"),
         lambda: run.columns["input_torqe_n_m"],
         lambda: swept["mean_input_torqe_n_m"],
         lambda: swept.plot("mean_input_torqe_n_m"),
-        lambda: found["lost_moton_arcmin"],
+        lambda: design["lost_moton_arcmin"],
         lambda: pinwheel.design(SHORT)["eficiency_rated_percent"],
     ):
         with pytest.raises(Missing, match="did you mean `"):
             ask()
     with pytest.raises(Missing, match=r"`efficiency_rated_percent` is not among.*`pinwheel\.design`"):
-        found["efficiency_rated_percent"]
+        design["efficiency_rated_percent"]
     for wrong in ({"measure": ["input_torqe_n_m"]}, {"specification": {"peak_input_torqe_n_m": {"most": 1.0}}}):
         with pytest.raises(pinwheel.InputError, match=r"did you mean|there are"):
             pinwheel.sweep(SHORT, vary={"backlash_m": [0.0]}, out=tmp_path / "wrong", progress=False, **wrong)
@@ -103,7 +103,7 @@ def test_a_comparison_keeps_runs_of_others_and_runs_side_by_side(tmp_path, monke
     first, again = (pinwheel.compare(scene, engines, jobs=jobs) for jobs in (1, 2))
     assert list((tmp_path / "runs").glob("rapier-shared-law-*.run"))
     anew = pinwheel.compare(scene, engines, fresh=True)
-    kept = [[bool(engine["cost"].get("kept")) for engine in found.data["engines"]] for found in (first, again, anew)]
+    kept = [[bool(engine["cost"].get("kept")) for engine in one.data["engines"]] for one in (first, again, anew)]
     assert kept == [[False, False], [False, True], [False, False]]
     assert first.verdicts == again.verdicts == anew.verdicts
     with pytest.raises(pinwheel.InputError, match="jobs = 0"):

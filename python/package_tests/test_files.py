@@ -12,8 +12,8 @@ SHORT = pinwheel.Scene("paper", duration_s=1e-3)
 
 def test_only_files_of_their_kind_are_replaced(tmp_path: Path) -> None:
     run = SHORT.run("native-reduced")
-    found = pinwheel.compare(SHORT, ["native-reduced"], progress=False)
-    writers = {"f.toml": SHORT.save, "f.csv": run.to_csv, "f": run.save, "f.html": found.show}
+    comparison = pinwheel.compare(SHORT, ["native-reduced"], progress=False)
+    writers = {"f.toml": SHORT.save, "f.csv": run.to_csv, "f": run.save, "f.html": comparison.show}
     for name, write in writers.items():
         file = tmp_path / name
         write(file)
@@ -47,5 +47,5 @@ def test_what_is_no_run_is_bad_input(tmp_path: Path, text: str) -> None:
 
 def test_a_scene_is_no_way_out_of_the_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    found = pinwheel.sweep(SHORT.with_(name="../../evil"), vary={"backlash_m": [0.0, 1e-5]})
-    assert os.path.commonpath([found.out.resolve(), tmp_path]) == str(tmp_path)
+    sweep = pinwheel.sweep(SHORT.with_(name="../../evil"), vary={"backlash_m": [0.0, 1e-5]})
+    assert os.path.commonpath([sweep.out.resolve(), tmp_path]) == str(tmp_path)

@@ -23,7 +23,7 @@ def test_a_thousand_runs_keep_their_data_once():
     warm = [SCENE.run("native", check=False) for _ in range(5)]
     before = resident()
     kept = [SCENE.run("native", check=False) for _ in range(1000)]
-    # Asking for what is there makes no copy.
+    # Access to existing columns makes no copy.
     assert sum(run["external_sleeve_force_n"].size for run in kept) == 1000 * 1001 * 16
     each = (resident() - before) / 1000
     print(f"{each / BYTES:.2f} of their data")

@@ -1,4 +1,4 @@
-"""Every notebook runs from its first cell to its last, and is kept with its outputs, as a reader on the web gets it."""
+"""Every notebook runs from first to last cell, and is stored with its outputs for readers on the web."""
 
 import os
 import re
@@ -10,7 +10,7 @@ from conftest import ROOT
 from nbclient import NotebookClient
 
 NOTEBOOKS = sorted((ROOT / "python/notebooks").glob("*.ipynb"))
-# Whether this run keeps the outputs in the notebooks.
+# True if this run stores outputs in the notebooks.
 STORE = "PINWHEEL_STORE" in os.environ
 WIDGET = "application/vnd.jupyter.widget-view+json"
 # Statements of a notebook's text about its outputs.

@@ -85,9 +85,9 @@ def test_other_threads_run_meanwhile():
 
 
 def test_progress_is_told_and_its_exception_ends_the_run():
-    seen = []
-    Scene("paper", duration_s=0.3).run("native-reduced", check=False, progress=lambda *at: seen.append(at))
-    assert seen[-1][0] == seen[-1][1] == 1
+    reports = []
+    Scene("paper", duration_s=0.3).run("native-reduced", check=False, progress=lambda *at: reports.append(at))
+    assert reports[-1][0] == reports[-1][1] == 1
 
     def refuse(*at):
         raise RuntimeError("enough")
@@ -114,21 +114,21 @@ def test_bad_input_of_engines():
 
 
 def test_comparison(tmp_path):
-    found = pinwheel.compare(SHORT.with_(step_s=2e-6), ["native-reduced", "native-lagrange", "rapier-shared-law"])
-    assert found.passed and set(found.engines.values()) == {"finished"}
-    assert {v.verdict for v in found.verdicts} <= {"agree"}
-    agree = [v for v in found.verdicts if v.verdict == "agree"]
+    comparison = pinwheel.compare(SHORT.with_(step_s=2e-6), ["native-reduced", "native-lagrange", "rapier-shared-law"])
+    assert comparison.passed and set(comparison.engines.values()) == {"finished"}
+    assert {v.verdict for v in comparison.verdicts} <= {"agree"}
+    agree = [v for v in comparison.verdicts if v.verdict == "agree"]
     assert agree and all(v.distance <= v.uncertainty for v in agree)
-    assert found["rapier-shared-law"]["external_sleeve_force_n"].shape == (101, 16)
-    page = found.show(tmp_path / "page.html").read_text()
+    assert comparison["rapier-shared-law"]["external_sleeve_force_n"].shape == (101, 16)
+    page = comparison.show(tmp_path / "page.html").read_text()
     assert page.startswith("<!") and "rapier-shared-law" in page
-    assert len(found.to_pandas()) == len(found.verdicts) and "<table>" in found._repr_html_()
-    tidy = found.time_series_to_pandas()
+    assert len(comparison.to_pandas()) == len(comparison.verdicts) and "<table>" in comparison._repr_html_()
+    tidy = comparison.time_series_to_pandas()
     assert list(tidy) == ["engine", "time_s", "column", "value"]
-    for engine, columns in found.runs.items():
+    for engine, columns in comparison.runs.items():
         mine = tidy[(tidy["engine"] == engine) & (tidy["column"] == "input_torque_n_m")]
         assert np.array_equal(mine["value"], columns["input_torque_n_m"])
-    assert "PASS, ONE CONTACT LAW" in str(found)
+    assert "PASS, ONE CONTACT LAW" in str(comparison)
 
 
 def test_law_on_arrays():

@@ -33,13 +33,13 @@ def cluster(monkeypatch, tmp_path):
 
 
 def test_threads(expected, sweep_file, tmp_path):
-    found = pinwheel.sweep(sweep_file, jobs=2, out=tmp_path / "ours")
+    sweep = pinwheel.sweep(sweep_file, jobs=2, out=tmp_path / "ours")
     assert results(tmp_path / "ours") == expected
-    assert found["gear.backlash_m"].shape == (40,) and not found.unfinished
-    assert np.isfinite(found["mean_input_torque_n_m"]).all()
+    assert sweep["gear.backlash_m"].shape == (40,) and not sweep.unfinished
+    assert np.isfinite(sweep["mean_input_torque_n_m"]).all()
     assert not (tmp_path / "ours.unfinished").exists()
-    assert found.to_pandas().shape[0] == 40 and found.to_polars().height == 40
-    assert "small" in found.page() and "<table>" in found._repr_html_()
+    assert sweep.to_pandas().shape[0] == 40 and sweep.to_polars().height == 40
+    assert "small" in sweep.page() and "<table>" in sweep._repr_html_()
     again = pinwheel.sweep(
         Scene("paper", duration_s=0.004),
         vary={"backlash_m": {"from": 0.0, "to": 3e-4, "points": 20}, "damping_n_s_m": np.array([8.0, 16.0])},
@@ -81,10 +81,10 @@ def test_a_sample_is_the_same_on_a_cluster(cluster, tmp_path):
     there = pinwheel.sweep("steel", client=cluster, out=tmp_path / "there", **ask)
     here = pinwheel.sweep("steel", out=tmp_path / "here", **ask)
     assert results(there.out) == results(here.out) and not here.unfinished
-    (found,) = here.tolerances
+    (statistics,) = here.tolerances
     kept = (here["mean_lost_motion_arcmin"] <= 0.9).sum()
-    assert 0 < kept < 48 and found["yield"]["kept"] == kept == here["within_specification"].sum()
-    lost = next(figure for figure in found["figures"] if figure["key"] == "mean_lost_motion_arcmin")
+    assert 0 < kept < 48 and statistics["yield"]["kept"] == kept == here["within_specification"].sum()
+    lost = next(figure for figure in statistics["figures"] if figure["key"] == "mean_lost_motion_arcmin")
     assert lost["quantiles"][2]["value"] == pytest.approx(np.median(here["mean_lost_motion_arcmin"]), rel=1e-12)
     # Standardised coefficients by numpy.
     inputs = np.stack([here["gear.backlash_m"], here["contact.young_pa"]])
@@ -133,8 +133,8 @@ def test_courses_and_divergence_on_a_cluster(cluster, program, tmp_path):
     head = 'scene = "paper"\ncourses = "csv"\n'
     file.write_text(f"{head}[set]\nsolver.duration_s = 0.01\n[vary]\nsolver.step_s = [1e-5, 1e-4]\n")
     program("sweep", "wild.toml", "--out", "program", cwd=tmp_path, status=3)
-    found = pinwheel.sweep(file, client=cluster, out=tmp_path / "ours")
-    assert list(found["status"]) == ["finished", "diverged"] and found.unfinished == 1
+    sweep = pinwheel.sweep(file, client=cluster, out=tmp_path / "ours")
+    assert list(sweep["status"]) == ["finished", "diverged"] and sweep.unfinished == 1
     for name in ("results.csv", "runs/run-0001.csv"):
         assert (tmp_path / "ours" / name).read_bytes() == (tmp_path / "program" / name).read_bytes()
 

@@ -1,4 +1,4 @@
-"""Twenty tasks of a user's work, and types catch what is wrong before anything runs."""
+"""Twenty tasks of a user run, and type checkers catch errors before anything runs."""
 
 import subprocess
 import sys
@@ -83,10 +83,10 @@ def test_keys_are_those_of_the_program(monkeypatch):
 def test_help_says_what_attributes_are(capsys):
     import pinwheel
 
-    for kind, said in (
+    for kind, message in (
         (pinwheel.Run, "resolution: what the same run"),
         (pinwheel.Verdict, "uncertainty: U = u_a + u_b"),
         (pinwheel.Sweep, "cpu_s: CPU time of all runs"),
     ):
         help(kind)
-        assert said in capsys.readouterr().out
+        assert message in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""A live page over the kernel's messages, and pages in cells: what a hub's browser gets, which cannot reach this machine."""
+"""Live page over the kernel's messages, and pages in cells, for a hub's browser, which cannot reach this machine."""
 
 import json
 import os
@@ -68,7 +68,7 @@ def test_a_page_in_a_cell_gets_its_answers_by_messages(tmp_path):
         at = f"http://127.0.0.1:{server.server_port}/"
         browser = subprocess.Popen([CHROMIUM, *flags, at], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         try:
-            # Bands are asked for once the page has understood its balances.
+            # The page requests bands after it has read its balances.
             assert done.wait(60.0), asked
         finally:
             browser.terminate()
@@ -116,6 +116,6 @@ def test_questions_that_have_no_answer():
 
 
 def test_a_cell_holds_all_of_a_page():
-    found = pinwheel.compare(pinwheel.Scene("paper", duration_s=1e-3), ["native-reduced", "native-lagrange"])
-    cell = found.frame(height=300)._repr_html_()
+    comparison = pinwheel.compare(pinwheel.Scene("paper", duration_s=1e-3), ["native-reduced", "native-lagrange"])
+    cell = comparison.frame(height=300)._repr_html_()
     assert cell.startswith('<iframe srcdoc="&lt;!doctype html') and 'src="' not in cell and "300px" in cell

@@ -65,11 +65,11 @@ def main(place: Path) -> None:
             np.array_equal(again["input_torque_n_m"], run["input_torque_n_m"]) and again.scene.to_dict() == scene.to_dict()
         )
     # 13 A solver of mine against the others
-    found = pinwheel.compare(scene.with_(duration_s=4e-4), ["native", my_euler])
-    assert found[my_euler].time_s.size == found["native"].time_s.size
+    comparison = pinwheel.compare(scene.with_(duration_s=4e-4), ["native", my_euler])
+    assert comparison[my_euler].time_s.size == comparison["native"].time_s.size
     # 14 What is not confirmed, and why; the comparison travels
-    assert all(verdict.reason for verdict in found.verdicts if verdict.verdict == "inconclusive")
-    assert pickle.loads(pickle.dumps(found)).page().startswith("<!")
+    assert all(verdict.reason for verdict in comparison.verdicts if verdict.verdict == "inconclusive")
+    assert pickle.loads(pickle.dumps(comparison)).page().startswith("<!")
     # 15 A map over two keys
     grid = pinwheel.sweep(
         scene, vary={"backlash_m": [0.0, 1e-4], "contact.damping_n_s_m": np.array([8.0, 16.0])}, out=place / "grid"

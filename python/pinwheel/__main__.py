@@ -10,14 +10,14 @@ FOLDER = Path(__file__).with_name("bin")
 
 
 def beside(library: str) -> str | None:
-    """The library `libpinwheel_...` of the package; None where the environment names another, or none is there."""
+    """Path of the package's library `libpinwheel_...`; None if the environment names another, or it is absent."""
     names = (f"libpinwheel_{library}.so", f"libpinwheel_{library}.dylib", f"pinwheel_{library}.dll")
-    found = [FOLDER / name for name in names if (FOLDER / name).is_file()]
-    return str(found[0]) if found and f"PINWHEEL_{library.upper()}" not in os.environ else None
+    files = [FOLDER / name for name in names if (FOLDER / name).is_file()]
+    return str(files[0]) if files and f"PINWHEEL_{library.upper()}" not in os.environ else None
 
 
 def main() -> int:
-    """Runs the program with this process's arguments; its exit status."""
+    """Runs the program with this process's arguments; returns its exit status."""
     from pinwheel import _core
 
     for library in ("law", "fmu"):

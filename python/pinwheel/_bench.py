@@ -12,7 +12,7 @@ from pinwheel import _core
 from pinwheel._columns import wanted
 from pinwheel._engine import EngineLike, several
 from pinwheel._page import Paged, plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def bench(
     methods: Sequence[str] = (),
     repeats: int = 3,
     longest_s: float = 10.0,
-    progress: bool | Told | None = None,
+    progress: bool | Progress | None = None,
 ) -> Bench:
     """Runs a scene with ever smaller steps and tolerances and measures error and cost, engine by engine.
 
@@ -73,5 +73,5 @@ def bench(
     `repeats`: timings of each run; `longest_s`: of one run of a foreign engine.
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "bench") as told:
-        return Bench(_core.bench(made._inner, several(engines), (target, repeats, longest_s), list(methods), told))
+    with reporting(progress, "bench") as report:
+        return Bench(_core.bench(made._inner, several(engines), (target, repeats, longest_s), list(methods), report))

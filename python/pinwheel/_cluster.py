@@ -16,30 +16,30 @@ from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
 from pinwheel._engine import Engine
-from pinwheel._progress import Told
+from pinwheel._progress import Progress
 from pinwheel.errors import ClusterError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-# A batch takes about this long, s: far more than the scheduler's milliseconds, little enough to lose with a worker.
+# Time of a batch, s: far more than the scheduler's milliseconds, and a small loss with a worker.
 BATCH_S = 0.5
-# Batches that wait for a thread while one is worked on: it never idles, and little is sent in vain.
+# Batches that wait for a thread beside the one in work: the thread never idles, and few are sent in vain.
 AHEAD = 2
-# Runs of the first batches, before it is known how long one takes.
+# Runs of the first batches, before the time of a run is known.
 FIRST = 4
 MOST = 256
 
 
 def run_batch(batch: bytes) -> tuple[float, list[str]]:
-    """On a worker: makes the runs; wall time, s, and records."""
+    """Makes runs on a worker; returns wall time, s, and records."""
     tasks, engines, time_series = pickle.loads(batch)
     begun = time.perf_counter()
     records = _core.perform(tasks, engines, time_series)
     return time.perf_counter() - begun, records
 
 
-def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, told: Told | None) -> None:
+def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch: int | None, show: Progress | None) -> None:
     """Makes every run that the journal lacks."""
     import cloudpickle
     from distributed import wait
@@ -55,7 +55,7 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
         while left or flying:
             threads = max(1, sum(client.nthreads().values()))
             while left and len(flying) < AHEAD * threads:
-                # At the end all threads have something to do.
+                # Batches shrink at the end, so that all threads have work.
                 share = max(1, left // (2 * threads)) if batch is None else size
                 tasks, left = core.take(min(size, share))
                 done = total - left - len(tasks) - sum(map(len, flying.values()))
@@ -81,8 +81,8 @@ def execute(client: Client, core: _core.Sweep, engines: Sequence[Engine], batch:
                 done += len(numbers)
                 if batch is None and wall_s > 0.0:
                     size = max(1, min(MOST, 2 * size, round(BATCH_S * len(numbers) / wall_s)))
-            if told is not None:
-                told(done, total, core.name(), 0.0, 0.0)
+            if show is not None:
+                show(done, total, core.name(), 0.0, 0.0)
     except KilledWorker as error:
         raise ClusterError(
             f"runs of one batch lost several workers one after the other: {error}; {_kept(done, total)}; give workers more "

@@ -1,4 +1,4 @@
-"""Tables of numbers, and what becomes of them in other libraries."""
+"""Tables of numbers, and their forms in other libraries."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NUMBERED = re.compile(r"(.+)_(\d+)")
 
 
 def wanted(package: str, extra: str) -> Any:
-    """An optional package, or an error that says how to have it."""
+    """Imports an optional package, or raises an error that says how to install it."""
     import importlib
 
     try:
@@ -61,7 +61,7 @@ class Columns(Mapping["Column", Floats]):
 
     """
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -92,7 +92,7 @@ class Columns(Mapping["Column", Floats]):
         raise Missing(f"no column `{name}`; {near(name, [*self._groups, *self.names], self)}")
 
     def full_names(self, name: str) -> list[str]:
-        """Full names of the columns that a name stands for."""
+        """Full names of the columns of a name."""
         return [self.names[k] for k in self._groups[name]] if name in self._groups else [name]
 
     def _ipython_key_completions_(self) -> list[str]:
@@ -101,11 +101,11 @@ class Columns(Mapping["Column", Floats]):
     def __iter__(self) -> Iterator[Column]:
         yield "time_s"
         grouped = {k for group in self._groups.values() for k in group}
-        seen: set[str] = set()
+        yielded: set[str] = set()
         for k, name in enumerate(self.names):
             short = _NUMBERED.sub(r"\1", name) if k in grouped else name
-            if short not in seen:
-                seen.add(short)
+            if short not in yielded:
+                yielded.add(short)
                 yield cast("Column", short)
 
     def __len__(self) -> int:

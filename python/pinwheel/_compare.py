@@ -13,7 +13,7 @@ from pinwheel import _core
 from pinwheel._columns import Columns, near, wanted
 from pinwheel._engine import EngineLike, number_of, several
 from pinwheel._page import Paged, plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 from pinwheel.errors import Missing
 
@@ -29,7 +29,7 @@ class Verdict:
         track: What the two have in common
         distance: Relative L2 of the difference, where it could be compared
         uncertainty: U = u_a + u_b, the numerical uncertainty of both, relative
-        reason: Why, where a reason belongs to the verdict
+        reason: Reason of the verdict, if it has one
 
     """
 
@@ -64,7 +64,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
         )
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -93,7 +93,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
 
     def __getitem__(self, engine: EngineLike) -> Columns:
-        """Time series of an engine, by the name or the object that it was asked for as."""
+        """Time series of an engine, by its name or its object."""
         name = engine if isinstance(engine, str) else engine.name
         full = name.replace("_", "-")
         if name == "native" and name not in self.runs:
@@ -132,8 +132,8 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
 
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count and word != "inconclusive_actionable"}
-        told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing compared"
-        return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {'; '.join(self.findings)}; {told}>"
+        counted = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing compared"
+        return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {'; '.join(self.findings)}; {counted}>"
 
     def _repr_html_(self) -> str:
         rows = []
@@ -167,7 +167,7 @@ def compare(
     resolution: float = 0.01,
     jobs: int | None = None,
     fresh: bool = False,
-    progress: bool | Told | None = None,
+    progress: bool | Progress | None = None,
 ) -> Comparison:
     """Runs a scene on several engines and compares every pair; without names on all that this Python has.
 
@@ -186,9 +186,9 @@ def compare(
     (True, True)
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "compare") as told:
+    with reporting(progress, "compare") as report:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
-        core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), (number_of(jobs), fresh), told)
+        core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), (number_of(jobs), fresh), report)
     for line in core.messages():
         warnings.warn(line, stacklevel=2)
     comparison = Comparison(made, core)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pinwheel import _core
 from pinwheel._columns import near, wanted
 from pinwheel._page import Paged, plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 from pinwheel.errors import Missing
 
@@ -85,7 +85,7 @@ def gear(
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of a gear with what is known of its uncertainty; `float(figure)` is its value.
+    """A figure of a gear with its known uncertainty; `float(figure)` is its value.
 
     Attributes:
         key: name for programs, which ends in the unit
@@ -161,7 +161,7 @@ class Design(Paged, Mapping[str, Figure]):
         scene: the gear's
         limits: loads of the parts against what they may bear
         bears_its_load: the answer of the limits in words, `yes, margin 1.9`
-        data: all that was found, with courses over the mesh: the program's `design.json`
+        data: all results, with courses over the mesh: the program's `design.json`
 
     """
 
@@ -172,9 +172,9 @@ class Design(Paged, Mapping[str, Figure]):
         self.bears_its_load, _ = core.bears()
         names = [field.name for field in fields(Limit)]
         each_limit = self.data["limits"]["each"]
-        self.limits = [Limit(**{name: found[name] for name in names}) for found in each_limit]
+        self.limits = [Limit(**{name: limit[name] for name in names}) for limit in each_limit]
         each = zip(self.data["figures"], core.words(), strict=True)
-        self._figures = {found["key"]: _figure(found, *words) for found, words in each}
+        self._figures = {figure["key"]: _figure(figure, *words) for figure, words in each}
 
     _called = "design"
 
@@ -206,7 +206,7 @@ class Design(Paged, Mapping[str, Figure]):
         return wanted("pandas", "frames").DataFrame(rows).set_index("key")
 
     def save_dxf(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Writes the drawing of every disc as `disc_N.dxf`, lengths in mm, of discs that are one part one; the files."""
+        """Writes a drawing `disc_N.dxf`, in mm, of every disc, or one for equal discs; returns the files."""
         files = [Path(folder) / f"disc_{number}.dxf" for number, _ in self._dxf]
         for file, (_, text) in zip(files, self._dxf, strict=True):
             _core.write(file, text.encode(), "cycloidal disc, millimetres")
@@ -223,28 +223,28 @@ class Design(Paged, Mapping[str, Figure]):
         return self._table(("", "value", "unit", "known to"), rows)
 
 
-def _figure(found: dict[str, Any], shown: str, bounds: str) -> Figure:
+def _figure(figure: dict[str, Any], shown: str, bounds: str) -> Figure:
     def ends(name: str) -> tuple[float, float] | None:
-        band = found.get(name)
+        band = figure.get(name)
         return None if band is None else (band[0], band[1])
 
     return Figure(
-        key=found["key"],
-        what=found["what"],
-        value=found["value"],
-        unit=found["unit"],
-        uncertainty=found["numerical_uncertainty"],
+        key=figure["key"],
+        what=figure["what"],
+        value=figure["value"],
+        unit=figure["unit"],
+        uncertainty=figure["numerical_uncertainty"],
         by_contact_law=ends("by_contact_law"),
         by_fit=ends("by_fit"),
         over_the_mesh=ends("over_the_mesh"),
         over_the_mesh_uncertainty=ends("over_the_mesh_numerical_uncertainty"),
-        how=found["how"],
+        how=figure["how"],
         shown=shown,
         bounds=bounds,
     )
 
 
-def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
+def design(scene: Scene | str, *, progress: bool | Progress | None = None) -> Design:
     """Computes the design figures of a gear under its rated load: lost motion, stiffness, pressure, efficiency and more.
 
     Statics and a few runs; `statics` leaves the runs out.
@@ -252,24 +252,24 @@ def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design
     return _design(scene, True, progress)
 
 
-def statics(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
-    """The figures of `design` that balances of the contacts at rest give; no run, so no efficiency.
+def statics(scene: Scene | str, *, progress: bool | Progress | None = None) -> Design:
+    """Computes the figures of `design` that follow from static balances; without a run, so without efficiency.
 
-    >>> found = statics("steel")
-    >>> found["torsional_stiffness_n_m_per_arcmin"].unit
+    >>> figures = statics("steel")
+    >>> figures["torsional_stiffness_n_m_per_arcmin"].unit
     'N m/arcmin'
     """
     return _design(scene, False, progress)
 
 
-def _design(scene: Scene | str, runs: bool, progress: bool | Told | None) -> Design:
+def _design(scene: Scene | str, runs: bool, progress: bool | Progress | None) -> Design:
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "design" if runs else "statics") as told:
-        return Design(made, _core.design(made._inner, runs, told))
+    with reporting(progress, "design" if runs else "statics") as report:
+        return Design(made, _core.design(made._inner, runs, report))
 
 
 def fmu(scene: Scene | str, path: str | os.PathLike[str], *, author: str | None = None) -> Path:
-    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md), which names its author; the file.
+    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md) with its author; returns the file.
 
     The unit says when it was made, or what the environment's SOURCE_DATE_EPOCH says.
     """

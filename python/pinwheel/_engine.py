@@ -1,4 +1,4 @@
-"""Engines: those there are, and a solver of your own."""
+"""Available engines, and engines from solvers of your own."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Track = Literal["shared-law", "own-contact"]
 
 
 class Job:
-    """One run as a solver of yours sees it.
+    """Data and functions of one run for a solver of yours.
 
     Bodies stand in one order everywhere: input shaft, output shaft, discs, ring pins, output pins. Every
     body turns about its own centre, which its carrier holds, so one absolute angle a body says where all of them are.
@@ -89,7 +89,7 @@ class Job:
         return float(self._piece.load_n_m(time_s))
 
     def intervals(self) -> Iterator[list[tuple[float, float]]]:
-        """From sample to sample the steps (start, length), s, that end on the sample and on every jump of the load."""
+        """Gives, from sample to sample, steps (start, length), s, that end on the sample and on every jump of the load."""
         for before, instant in zip(self.times_s[:-1], self.times_s[1:], strict=True):
             steps: list[tuple[float, float]] = []
             for start, end in legs(float(before), float(instant), self._breaks, self.step_s):
@@ -99,7 +99,7 @@ class Job:
             yield steps
 
     def at(self, start_s: float, length_s: float) -> None:
-        """A step begins: a load that jumps is for all of it the one within it."""
+        """Begins a step: a load that jumps at either end has its value within the step."""
         self._piece = self.scene.drive.load_piece(start_s + 0.5 * length_s)
 
     def sample(self, angles: Floats, rates: Floats, driver_torque_n_m: float | None = None) -> None:
@@ -174,12 +174,12 @@ EngineLike: TypeAlias = str | Engine
 
 
 def several(engines: Sequence[EngineLike] | EngineLike) -> list[EngineLike]:
-    """Engines as a list; one alone needs none."""
+    """Engines as a list; a single engine may be given without one."""
     return [engines] if isinstance(engines, str | Engine) else list(engines)
 
 
 def number_of(jobs: int | None) -> int:
-    """Threads for what runs side by side: as many as this process may use cores where it is not said."""
+    """Number of threads for parallel work: `jobs`, or else one for each core that this process may use."""
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs = {jobs}: write a number of threads from 1 on, or leave it out for one a core")
     return jobs or (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)

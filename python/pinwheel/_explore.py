@@ -27,7 +27,7 @@ from pinwheel._scene import Scene
 from pinwheel.errors import PinwheelError
 
 _OPEN: set[Explorer] = set()
-# No proxy leads to this machine.
+# Requests to this machine use no proxy.
 _HERE = build_opener(ProxyHandler({}))
 
 
@@ -39,8 +39,8 @@ class Explorer:
     this Python. The address is a secret: who has it may move the sliders. "Save scene" writes to the working folder.
 
     Attributes:
-        scene: what it began with
-        url: its address on this machine
+        scene: scene at the start
+        url: address on this machine
 
     """
 
@@ -49,7 +49,7 @@ class Explorer:
         self._folder = tempfile.TemporaryDirectory(prefix="pinwheel-")
         file = Path(self._folder.name) / "scene.toml"
         scene.save(file)
-        # A session of its own: what interrupts a cell does not end it.
+        # A separate session: an interrupt of a cell does not end the server.
         self._program = subprocess.Popen(
             [sys.executable, "-m", "pinwheel", "explore", file, "--embed"],
             stdin=subprocess.PIPE,
@@ -67,7 +67,7 @@ class Explorer:
         _OPEN.add(self)
 
     def show(self) -> None:
-        """Opens it in the browser."""
+        """Opens the page in the browser."""
         webbrowser.open(self.url)
 
     def answer(self, message: Mapping[str, Any]) -> dict[str, Any]:
@@ -76,8 +76,8 @@ class Explorer:
         own = {"Origin": f"{at.scheme}://{at.netloc}", "Content-Type": "application/json"}
         asked = Request(self.url + message["path"], None if body is None else body.encode(), own)
         try:
-            with _HERE.open(asked) as found:
-                return {"status": found.status, "text": found.read().decode()}
+            with _HERE.open(asked) as reply:
+                return {"status": reply.status, "text": reply.read().decode()}
         except HTTPError as error:
             return {"status": error.code, "text": error.read().decode()}
         except OSError as error:
@@ -99,14 +99,14 @@ class Explorer:
 
         def asked(_: object, message: Mapping[str, Any], __: object) -> None:
             name = {key: message[key] for key in ("id", "view") if key in message}
-            # Of its own thread: a cell runs meanwhile, and a newer question ends an older one.
+            # Answers in a separate thread: cells run meanwhile, and a newer question ends an older one.
             Thread(target=lambda: live.send(name | self.answer(message)), daemon=True).start()
 
         live.on_msg(asked)
         return live
 
     def close(self) -> None:
-        """Ends it; again does nothing."""
+        """Ends the server; a second call does nothing."""
         _OPEN.discard(self)
         streams = (self._program.stdin, self._program.stdout, self._program.stderr)
         for stream in streams:

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-# Keys that hold whole numbers.
+# Keys with integer values.
 COUNTS = frozenset(
     {
         "bearings.eccentric.rollers",

@@ -43,7 +43,7 @@ _FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
 
 
 def plain(text: str) -> str:
-    """A terminal's text without its colours, and with remedies as they are followed from Python.
+    """Returns a terminal's text without colours, with remedies in their form for Python.
 
     >>> plain("--set contact.law=line-hertz, or give it more time (--longest 300)")
     '`with_({"contact.law": "line-hertz"})`, or give it more time (`longest_s=300`)'
@@ -61,11 +61,11 @@ def plain(text: str) -> str:
             block.append(lines.pop(0))
         if not indent and (label := re.match(r"\S.*?\s{2,}", first)):
             indent = label.end()
-        head, said = first[:indent], " ".join([first[indent:], *(line.strip() for line in block[1:])])
-        here = said
+        head, text = first[:indent], " ".join([first[indent:], *(line.strip() for line in block[1:])])
+        here = text
         for flag, ours in _FLAGS:
             here = re.sub(flag, ours, here)
-        if here == said:
+        if here == text:
             done += block
         else:
             done += textwrap.wrap(here, 80, initial_indent=head, subsequent_indent=" " * indent, break_long_words=False)
@@ -94,7 +94,7 @@ class Paged:
         return self._page if isinstance(self._page, str) else self._page()
 
     def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
+        """Opens the page in the browser, or writes it to `path`; returns its path."""
         return show(self.page(), self._called, path)
 
     def frame(self, height: int = 900) -> Frame:
@@ -115,7 +115,7 @@ class Paged:
 
 
 def show(page: str, name: str, path: str | Path | None) -> Path:
-    """Writes a page, to a temporary file unless `path` is given, and opens it in the browser; its path."""
+    """Writes a page, to a temporary file unless `path` is given, and opens it in the browser; returns its path."""
     target = Path(path) if path is not None else Path(tempfile.mkdtemp(prefix="pinwheel-")) / f"{name}.html"
     _core.write(target, page.encode(), "Pinwheel</title>")
     if path is None:

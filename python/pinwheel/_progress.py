@@ -8,14 +8,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-Told = Callable[[int, int, str, float, float], object]
+Progress = Callable[[int, int, str, float, float], object]
 
 
 @contextmanager
-def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
-    """The function that is told `(done, total, piece, simulated_s, of_s)`.
+def reporting(progress: bool | Progress | None, what: str) -> Iterator[Progress | None]:
+    """Gives the function that is called with `(done, total, piece, simulated_s, of_s)`, or None without progress.
 
-    `progress`: a function of your own; True for a bar, False for none; None for a bar where somebody sees it.
+    `progress`: a function of your own; True for a bar, False for none; None for a bar on a terminal or in a notebook.
     """
     if callable(progress):
         yield progress
@@ -25,16 +25,16 @@ def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
         yield None
         return
 
-    def told(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
+    def report(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
         part = min(simulated_s / of_s, 1.0) if of_s > 0.0 and done < total else 0.0
         bar.total = float(total)
-        # Pieces run beside each other and the next one begins at 0: what was reached stays.
+        # Pieces run in parallel and each begins at 0: the bar never goes back.
         bar.n = max(bar.n, min(done + part, float(total)))
         bar.set_postfix_str(f"{done}/{total} {piece}"[:40], refresh=False)
         bar.refresh()
 
     try:
-        yield told
+        yield report
     finally:
         bar.close()
 

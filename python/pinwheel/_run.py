@@ -16,7 +16,7 @@ from pinwheel import _core
 from pinwheel._columns import Columns, Floats, plot
 from pinwheel._engine import EngineLike
 from pinwheel._page import plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene
 from pinwheel.errors import Diverged, InputError
 
@@ -33,7 +33,7 @@ KNOWN = ("resolution", "numerical_uncertainty", "results", "by_contact_law")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Mapping["Column", Floats]):
-    """A run: time series, cost, and what is known of their uncertainty.
+    """A run: time series, their cost and their known uncertainty.
 
     `run["external_sleeve_force_n"]` is an array (samples, pins); see `Columns` for the shapes and names.
 
@@ -44,14 +44,14 @@ class Run(Mapping["Column", Floats]):
         track: "native", "shared-law" or "own-contact"
         columns: the time series
         stats: what the run cost, its settings and notes; keys end in their unit
-        resolution: what the same run at twice its step shows: whether the step resolves the scene
-        uncertainty: what the engine itself verified of its numerical uncertainty
-        results: what it was run for, each figure with how far it may be off: the program's `results` of `run.json`
-        by_contact_law: what other contact laws would give
+        resolution: comparison with a run at twice the step, which shows if the step resolves the scene
+        uncertainty: numerical uncertainty verified by the engine itself
+        results: figures with their uncertainty: the program's `results` of `run.json`
+        by_contact_law: figures under other contact laws
 
     """
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -70,12 +70,12 @@ class Run(Mapping["Column", Floats]):
     @classmethod
     def _of(cls, scene: Scene, core: _core.Ran) -> Run:
         texts = (core.stats, core.resolution, core.uncertainty, core.results, core.by_contact_law)
-        found: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
-        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *found)
+        parts: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
+        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *parts)
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
-        """A run that `save` or the program's `run` wrote."""
+        """Reads a run that `save` or the program's `run` wrote."""
         try:
             data = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
             columns = Columns.read_csv(Path(folder) / "courses.csv")
@@ -134,13 +134,13 @@ class Run(Mapping["Column", Floats]):
 
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over `time_s` and the pins, each at its angle, by the CF conventions; attributes say what was run."""
-        found = self.columns.to_xarray()
+        dataset = self.columns.to_xarray()
         for part in ("external", "internal"):
-            if (dim := f"{part}_sleeve") in found.sizes:
-                angles = 2.0 * np.pi * np.arange(found.sizes[dim]) / found.sizes[dim]
+            if (dim := f"{part}_sleeve") in dataset.sizes:
+                angles = 2.0 * np.pi * np.arange(dataset.sizes[dim]) / dataset.sizes[dim]
                 described = {"units": "rad", "long_name": "angle of the pin"}
-                found = found.assign_coords({f"{dim}_angle_rad": (dim, angles, described)})
-        return found.assign_attrs(
+                dataset = dataset.assign_coords({f"{dim}_angle_rad": (dim, angles, described)})
+        return dataset.assign_attrs(
             title=f"{self.scene.name} on {self.engine}", scene=self.scene["name"],
             scene_toml=self.scene.to_toml(), engine=self.engine, engine_version=self.version,
             pinwheel_version=_core.__version__,
@@ -177,7 +177,7 @@ def _written(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def run(
-    scene: Scene | str, engine: EngineLike = "native", *, check: bool = True, progress: bool | Told | None = None
+    scene: Scene | str, engine: EngineLike = "native", *, check: bool = True, progress: bool | Progress | None = None
 ) -> Run:
     """Runs a scene on an engine: a name of `pinwheel.engines()` or a function made with `@pinwheel.engine`.
 
@@ -193,9 +193,9 @@ def run(
     False
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
-    with telling(progress, "run") as told:
+    with reporting(progress, "run") as report:
         try:
-            return Run._of(made, _core.run(made._inner, engine, check, told))
+            return Run._of(made, _core.run(made._inner, engine, check, report))
         except Diverged as error:
             partial: Any = error.partial
             if isinstance(partial, _core.Ran):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 TABLES = ("gear", "mass", "drive", "contact", "bearings", "structure", "temperature", "cranks", "limits", "solver", "output")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-# The name of a scene that stands in no file; files come with their whole path.
+# Name of a scene without a file; scenes of files have their full path.
 _NO_FILE = "scene"
 
 
@@ -55,19 +55,19 @@ def toml_value(value: Any) -> str:
 
 def settings(keys: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Keys, bare or dotted or in tables, as (full name, TOML value)."""
-    found: list[tuple[str, str]] = []
+    pairs: list[tuple[str, str]] = []
     for name, value in keys.items():
         if isinstance(value, Mapping) and name.split(".")[0] in TABLES:
-            found += settings({f"{name}.{key}": item for key, item in value.items()})
+            pairs += settings({f"{name}.{key}": item for key, item in value.items()})
         else:
             full = _core.key(name)
             if isinstance(value, float) and full in COUNTS and value.is_integer():
                 value = int(value)
             try:
-                found.append((full, toml_value(value)))
+                pairs.append((full, toml_value(value)))
             except TypeError as error:
                 raise TypeError(f"`{name}`: {error}") from None
-    return found
+    return pairs
 
 
 class Scene:
@@ -107,7 +107,7 @@ class Scene:
         if source is None or isinstance(source, Mapping):
             written = settings(source or {})
             lines = [f"{key} = {value}" for key, value in written]
-            # A base must stand in the text.
+            # The text of a scene must name a base.
             lines += [f"{key} = {value}" for key, value in sets if key == "base"]
             core = _core.Scene(_NO_FILE, "\n".join(lines), [pair for pair in sets if pair[0] != "base"])
         else:
@@ -201,7 +201,7 @@ class Scene:
 
     @property
     def assumed(self) -> dict[str, str]:
-        """Keys that nobody wrote, and where each value comes from."""
+        """Keys without a stated value, and the source of each value."""
         return {key: f"{value}: {why}" for key, value, why in self._inner.origins()}
 
     def plot(self, ax: Any = None) -> Any:
@@ -249,7 +249,7 @@ class Scene:
 
 
 def _short(key: str) -> str:
-    """The shortest name that stands for a key."""
+    """Returns the shortest unambiguous name of a key."""
     last = key.rsplit(".", 1)[-1]
     try:
         return last if _core.key(last) == key else key
@@ -258,7 +258,7 @@ def _short(key: str) -> str:
 
 
 def _unpickled(name: str, text: str, sets: list[tuple[str, str]], toml: str) -> Scene:
-    """The scene as it was, also where a file that it rests on is not."""
+    """Restores a pickled scene without the files that it was made from."""
     try:
         scene = Scene._of(_core.Scene(name, text, sets))
         if scene.to_toml() == toml:

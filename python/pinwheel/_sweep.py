@@ -23,7 +23,7 @@ from pinwheel._columns import near, quantity, unit, wanted
 from pinwheel._engine import Engine, EngineLike, number_of, several
 from pinwheel._keys import Keys, Vary
 from pinwheel._page import Paged, plain
-from pinwheel._progress import Told, telling
+from pinwheel._progress import Progress, reporting
 from pinwheel._scene import Scene, settings, toml_value
 from pinwheel.errors import InputError, Missing, SceneError
 
@@ -49,7 +49,7 @@ class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
 
     """
 
-    # Arrays do not say whether they are equal in one word.
+    # Equality of arrays is an array.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -110,22 +110,22 @@ class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
         frame = self.to_pandas()
         axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
         full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
-        found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
+        dataset = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
         known = _core.keys()
         keys = {name: {"units": text or "1"} for name, _, text in known}
-        for name in (str(name) for name in (*found.data_vars, *found.coords)):
-            if found[name].dtype.kind in "if":
-                found[name].attrs |= keys.get(name) or {"units": unit(name), "long_name": quantity(name)}
+        for name in (str(name) for name in (*dataset.data_vars, *dataset.coords)):
+            if dataset[name].dtype.kind in "if":
+                dataset[name].attrs |= keys.get(name) or {"units": unit(name), "long_name": quantity(name)}
         about = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}
-        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__, **about)
+        return dataset.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__, **about)
 
     def tolerances_to_pandas(self) -> pandas.DataFrame:
         """Statistics of a sample: a row for each engine and figure, its quantiles with their confidence intervals."""
         rows = []
-        for found in self.tolerances:
-            for one in found["figures"]:
+        for statistics in self.tolerances:
+            for one in statistics["figures"]:
                 least, largest = one["range"]
-                row = {"engine": found["engine"], "figure": one["key"], "count": one["count"], "mean": one["mean"]}
+                row = {"engine": statistics["engine"], "figure": one["key"], "count": one["count"], "mean": one["mean"]}
                 row |= {"deviation": one["deviation"], "least": least, "largest": largest}
                 for quantile in one["quantiles"]:
                     share = f"quantile_{100 * quantile['share']:g}_percent"
@@ -208,10 +208,10 @@ def _text(
     specification: Mapping[str, Any],
     folder: str,
 ) -> str:
-    """A sweep file for a scene and what varies."""
+    """Writes the text of a sweep file for a scene and its varied keys."""
     name, _, sets = scene._inner.spec()
     if name not in _core.presets():
-        # The scene as it is, whatever it came from.
+        # The complete scene, independent of its source.
         path = Path(folder) / "scene.toml"
         path.write_text(scene.to_toml(), encoding="utf-8")
         name, sets = str(path), []
@@ -240,7 +240,7 @@ def _text(
 
 
 def _check_words(keys: Mapping[str, Any]) -> None:
-    """Refuses what is no key of a scene, with what an argument of `sweep` may have been meant by it."""
+    """Refuses a word that is no key of a scene, and suggests the argument of `sweep` that it resembles."""
     arguments = list(inspect.signature(sweep).parameters)[1:-1]
     for word in keys:
         try:
@@ -278,7 +278,7 @@ def sweep(
     out: str | os.PathLike[str] | None = None,
     resume: bool = False,
     force: bool = False,
-    progress: bool | Told | None = None,
+    progress: bool | Progress | None = None,
     **keys: Unpack[Keys],
 ) -> Sweep:
     """Runs a sweep and writes its output folder, which is the same byte for byte however it is run.
@@ -311,10 +311,10 @@ def sweep(
             text = _text(scene, top, vary or {}, axes, sample or {}, specification or {}, folder)
             path = "sweep.toml"
             if out is None:
-                # Each sweep of its own has a folder of its own; the same again has the same.
-                whole = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
+                # Different sweeps have different folders; a repeated sweep has its own again.
+                identity = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
                 name = re.sub(r"[^\w.-]", "-", scene.name).lstrip(".")
-                out = Path("out") / f"{name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
+                out = Path("out") / f"{name}-sweep-{hashlib.sha256(''.join(identity).encode()).hexdigest()[:8]}"
             sets: list[tuple[str, str]] = []
         else:
             if any(given is not None for given in (measure, window_s, specification, time_series)):
@@ -329,14 +329,14 @@ def sweep(
         asked = several(engines)
         core = _core.Sweep(text, path, sets, asked, None if out is None else os.fspath(out), resume, force)
         try:
-            with telling(progress, core.name()) as told:
+            with reporting(progress, core.name()) as report:
                 if client is None:
-                    core.execute(threads, told)
+                    core.execute(threads, report)
                 else:
                     from pinwheel._cluster import execute
 
                     own = tuple(engine for engine in asked if isinstance(engine, Engine))
-                    execute(client, core, own, batch, told)
+                    execute(client, core, own, batch, report)
             core.finish()
         finally:
             core.close()

@@ -15,7 +15,7 @@ from pinwheel.errors import ClusterError, PinwheelError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; its exit status."""
+    """Runs the command line; returns its exit status."""
     parser = argparse.ArgumentParser(prog="python -m pinwheel.cluster", description="Runs a sweep file (docs/sweeps.md).")
     parser.add_argument("file", help="sweep file (TOML)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, tcp://host:8786, or its scheduler file")
@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
                     client = stack.enter_context(Client(**place, timeout="10s", set_as_default=False))
                 except (OSError, ValueError) as error:
                     raise ClusterError(f"--scheduler {asked.scheduler}: no scheduler answers: {error}") from error
-            found = sweep(
+            results = sweep(
                 asked.file,
                 engines=[name.strip() for name in asked.engines.split(",")] if asked.engines else (),
                 client=client,
@@ -64,8 +64,8 @@ def main(arguments: list[str] | None = None) -> int:
         text = str(error).replace("resume=True", "--resume").replace("force=True", "--force").replace("batch=1", "--batch 1")
         print(f"error: {text}", file=sys.stderr)
         return 3 if isinstance(error, ClusterError) else 2
-    print(str(found).rstrip())
-    return 3 if found.unfinished else 0
+    print(str(results).rstrip())
+    return 3 if results.unfinished else 0
 
 
 def _value(text: str) -> object:

@@ -7,7 +7,7 @@
         Missing (KeyError)        there is no such column, figure, key or engine in a result
       EngineFailed                an engine broke: .engine, .reason; of a comparison .comparison, with all others
       Unsupported                 an engine cannot honour the scene: .engine, .reason
-      Diverged                    the numbers ran away: .engine, .time_s, .quantity, .partial (the run until then)
+      Diverged                    the run diverged: .engine, .time_s, .quantity, .partial (the run until then)
       ClusterError                workers or their scheduler were lost
 
 Ctrl-C is `KeyboardInterrupt`, a file that cannot be written `OSError`.
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from pinwheel_engines.errors import Diverged as _Diverged
 
     class Diverged(_Diverged):
-        """The numbers ran away; `partial` is the run until then."""
+        """The run diverged; `partial` is the run until then."""
 
         partial: Run | None  # type: ignore[assignment]
 

@@ -1,7 +1,7 @@
-"""Two implementations of the contact law at the same random states: how far apart, and how much of it is rounding.
+"""Differences of two implementations of the contact law at equal random states, and the share of rounding in them.
 
 Points detection takes the nearest of a disc's points. Where two are equally near but for rounding, two correct
-implementations may take different ones, whose normals differ by a whole spacing: such states are counted and left out.
+implementations may take different ones, whose normals differ by one spacing: such states are counted and left out.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 
-# Roundings that two correct implementations may be apart; more needs another reason.
+# Largest difference of two correct implementations, in roundings; a larger one has another cause.
 MOST_ROUNDINGS = 4.0
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """Largest differences over all states that were compared."""
+    """Largest differences over all compared states."""
 
     states: int
     loaded: int
@@ -45,17 +45,17 @@ class Agreement:
 
 
 def tie_m(scene: Scene) -> float:
-    """Two distances that differ by less are a tie, m: a hundred units in the last place of the pitch radius."""
+    """Tolerance of a tie of two distances, m: a hundred units in the last place of the pitch radius."""
     return float(100.0 * np.spacing(scene.gear.pitch_radius_m))
 
 
 def random_states(scene: Scene, count: int, seed: int) -> Floats:
-    """States near the mesh: any input angle, angles and rates off the ideal ones, pins that turn; within the backlash."""
+    """Random states near the mesh, within the backlash: any input angle, deviating angles and rates, turning pins."""
     rng = np.random.default_rng(seed)
     kinematics = Kinematics(scene.gear)
     layout = kinematics.layout
     states = np.empty((count, layout.bodies, 6))
-    # One whole cycle of the mesh and more.
+    # More than one full cycle of the mesh.
     span_s = 2.0 * np.pi * scene.gear.lobes / max(abs(scene.drive.input_speed_rad_s), 1e-3)
     # About an eighth of a disc's turn under its nominal force: contacts come and go, and forces are of their own size.
     spread_rad = 0.12 * nominal_penetration_m(scene) / (scene.gear.eccentricity_m * scene.gear.lobes)
@@ -88,7 +88,7 @@ def compare(scene: str | Scene, pointer: LawPointer, count: int, seed: int) -> A
     force = np.abs(difference[..., :2]).max(axis=(1, 2))
     clear = np.ones(count, dtype=np.bool_)
     if law.points:
-        # A tie is the only other reason that counts, and it is looked for only where one is needed.
+        # A tie is the only other valid cause; it is checked only for states that differ by more than rounding.
         for row in np.nonzero(force > MOST_ROUNDINGS * rounding)[0]:
             clear[row] = law.nearest_gap_m(states[row]) > tie_m(scene)
     size = np.abs(ours[..., :2]).max(axis=(1, 2))

@@ -38,7 +38,7 @@ LAWS = ("paper", "paper-conservative")
 
 
 def hertz(scene: Scene) -> ContactLaw:
-    """The stiffnesses after Hertz, which a scene has under whatever law."""
+    """Stiffnesses after Hertz, which every scene has, independent of its law."""
     return ContactLaw(scene.with_keys("contact", law="paper", friction_law="regularised", detection="exact"))
 
 
@@ -86,7 +86,7 @@ def edge_stiffness(scene: Scene) -> float:
 
 
 def nominal_torque_n_m(scene: Scene) -> float:
-    """Largest load on one disc; of a scene without load what presses a pin in by a millionth of R."""
+    """Largest load torque on one disc, N m; for a scene without load the one that presses a pin in by 1e-6 R."""
     gear, load = scene.gear, float(scene.drive.largest_load_n_m / scene.gear.wheels)
     if load > 0.0:
         return load
@@ -95,7 +95,7 @@ def nominal_torque_n_m(scene: Scene) -> float:
 
 
 def nominal_force_n(scene: Scene) -> float:
-    """Greatest ring pin force at zero clearance with linear springs, 4 T/(n e zs zk)."""
+    """Largest ring pin force at zero clearance with linear springs, N: 4 T/(n e zs zk)."""
     gear = scene.gear
     return float(4.0 * nominal_torque_n_m(scene) / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
 
@@ -118,7 +118,7 @@ def nominal_rate_rad_s(scene: Scene) -> float:
 
 
 def nominal_step_s(scene: Scene) -> float:
-    """The own-contact engines' step, s: what the disc's springs (1.1 radians) or dampers (half a time constant) ask for.
+    """Step of the own-contact engines, s: limited by the disc's springs (1.1 radians) or dampers (half a time constant).
 
     The explicit methods used are stable to about twice as much.
     """
@@ -136,12 +136,12 @@ def nominal_penetration_m(scene: Scene) -> float:
 
 
 def nominal_width_m(scene: Scene) -> float:
-    """Width of that contact, m."""
+    """Width of the contact under the nominal force, m."""
     return 2.0 * math.sqrt(2.0 * scene.gear.external_sleeve_radius_m * nominal_penetration_m(scene))
 
 
 def bed_damping(scene: Scene) -> float:
-    """c', N s/m^2: together as C at the nominal force where the profile is straight (R = q)."""
+    """c', N s/m^2: the bed's damping equals C at the nominal force where the profile is straight (R = q)."""
     return float(scene.contact.damping_n_s_m / nominal_width_m(scene))
 
 
@@ -166,9 +166,9 @@ def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:
 def local_stiffness(scene: Scene, count: int, bead_radius_m: float = 0.0) -> Floats:
     """Factors on k' of `count` springs at equal distances, with which the bed carries K delta^1.5 at the nominal force.
 
-    The formula above takes a patch for flat. In a pit, where R is ten times q, it is as wide as a third of q: springs at its
-    ends stand aslant and are pressed less, and the pit is not equally curved over it. Beads moreover press like a pin
-    that is larger by them. Both together took 7 % of the stiffness of a pit of 40 soft pins and gave 4 % to its lobes.
+    The formula of the module assumes a flat patch. In a pit, where R is ten times q, the patch is as wide as a third of
+    q: springs at its ends stand aslant and are pressed less, and the curvature varies over it. Beads moreover press like
+    a larger pin. Both together took 7 % of the stiffness of a pit of 40 soft pins and gave 4 % to its lobes.
     """
     gear, curve = scene.gear, Epitrochoid.of(scene.gear)
     q, force = gear.external_sleeve_radius_m, nominal_force_n(scene)

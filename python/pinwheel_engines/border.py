@@ -72,11 +72,11 @@ class StageLaw:
 
     @property
     def name(self) -> str:
-        """Which implementation, in words."""
+        """Name of the implementation, in words."""
         return "numpy law" if self.pointer is None else "compiled law"
 
     def evaluate(self, time_s: float) -> Floats:
-        """A stage of the integration: counted."""
+        """Evaluates the law at a stage of the integration, and counts the call."""
         self.calls += 1
         now = self.states.tobytes()
         if now != self._last:

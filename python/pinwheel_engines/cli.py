@@ -87,7 +87,7 @@ def _parser(family: str) -> argparse.ArgumentParser:
 
 
 def _seconds(text: str) -> float:
-    """A time that can pass, s."""
+    """Parses a positive, finite time, s."""
     value = float(text)
     if not 0.0 < value < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is no time above 0")
@@ -101,7 +101,7 @@ def _engine(family: str, track: str, form: str | None) -> str:
 
 
 def _progress(duration_s: float) -> Callable[[float], bool] | None:
-    """A percentage on standard error, none when that is no terminal."""
+    """Shows a percentage on standard error if that is a terminal."""
     if not sys.stderr.isatty():
         return None
     shown = {"percent": -1}
@@ -117,7 +117,7 @@ def _progress(duration_s: float) -> Callable[[float], bool] | None:
 
 
 def _write(result: Result, out: Path | None) -> None:
-    """Writes the courses; a file appears whole or not at all."""
+    """Writes the courses; a file appears complete or not at all."""
     text = result.to_csv()
     if out is None:
         sys.stdout.write(text)

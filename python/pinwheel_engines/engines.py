@@ -19,7 +19,7 @@ from pinwheel_engines.scene import Scene
 
 @dataclass(frozen=True)
 class EngineInfo:
-    """One engine: where its code is and whether our law runs in it. How it differs is told by the program's cards."""
+    """Module of an engine, and support of the shared law. The program's cards describe the differences between engines."""
 
     module: str
     takes_law: bool

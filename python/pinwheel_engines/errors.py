@@ -1,4 +1,4 @@
-"""Everything that can go wrong, as types the caller can tell apart.
+"""Exceptions of the package, one type for each kind of failure.
 
 Messages are one line and carry the remedy. A run that diverged keeps what it had computed until then.
 """
@@ -16,20 +16,20 @@ class PinwheelError(Exception):
 
     @classmethod
     def _of(cls, message: str) -> Self:
-        """An error that is worded elsewhere, its attributes to be set."""
+        """Makes an error from a complete message, without attributes."""
         return cls.__new__(cls, message)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Errors travel between processes, whatever their constructors ask for."""
+        """Pickles an error by its message and attributes, independent of its constructor."""
         return type(self)._of, (str(self),), self.__dict__
 
 
 class InputError(PinwheelError, ValueError):
-    """Input that cannot be used: what is wrong and the remedy."""
+    """Unusable input; the message names the fault and the remedy."""
 
 
 class SceneError(InputError):
-    """The scene is faulty: names the key, its value and the remedy."""
+    """Faulty scene; the message names the key, its value and the remedy."""
 
     key: str | None = None
     """Full name of the key at fault, where there is one."""
@@ -46,9 +46,9 @@ class Unsupported(PinwheelError):
 
 
 class Diverged(PinwheelError):
-    """The numbers ran away.
+    """The run diverged.
 
-    `time_s`: simulated time at which it was seen; `quantity`: which one and its value;
+    `time_s`: simulated time of the detection; `quantity`: name and value of the diverged quantity;
     `partial`: the courses of the samples before that, None when there are none.
     """
 

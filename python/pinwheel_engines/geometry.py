@@ -139,7 +139,7 @@ class Epitrochoid:
         return root_between(excess, polar - reach, polar + reach)
 
     def inside(self, p: Points) -> tuple[Bools, Floats]:
-        """Which points lie within the curve, and the parameter at each one's polar angle."""
+        """True for each point within the curve, and the curve's parameter at the polar angle of each point."""
         a = self.parameter_at(np.angle(p))
         return np.abs(p) < np.abs(self.point(a)), a
 
@@ -166,7 +166,7 @@ class Epitrochoid:
         left, middle, right = distance[:, :-2], distance[:, 1:-1], distance[:, 2:]
         row, column = np.nonzero((middle <= left) & (middle <= right))
         if not np.array_equal(np.unique(row), np.arange(p.size)):
-            # Rounding can only flatten the distance in a window of a few units in the last place: polish it whole.
+            # Only in a window of a few units in the last place does rounding hide the minimum: polish its best sample.
             lost = np.setdiff1d(np.arange(p.size), row)
             row = np.concatenate([row, lost])
             column = np.concatenate([column, np.argmin(middle[lost], axis=1)])

@@ -1,8 +1,8 @@
 """Checks that turn a silent blow-up into an error.
 
 No engine here reports that its numbers ran away: MuJoCo resets its state, exudyn returns success with forces of 1e8 N.
-The limits are physical, not tuned: a force that would press a pin into its counterpart by its whole radius, and a
-disc or output that left the mesh by a whole lobe, cannot belong to a working gearbox.
+The limits are physical, not tuned: a force that would press a pin into its counterpart by its own radius, and a
+disc or output that left the mesh by one lobe, cannot belong to a working gearbox.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Guard:
         self.output_limit_rad = lobe + free_play + 2.0 * clearance / gear.internal_circle_radius_m
 
     def diverged(self, time_s: float, quantity: str) -> Diverged:
-        """The error to raise."""
+        """Makes the error of a divergence."""
         return Diverged(self.engine, time_s, quantity)
 
     def check_states(self, time_s: float, angles: Floats, rates: Floats) -> None:

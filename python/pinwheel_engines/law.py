@@ -73,7 +73,7 @@ class Contacts:
     friction_force_n: Floats
     along_force_n: Floats
     slope_n_m: Floats
-    """Of the normal force with the penetration at rest."""
+    """Derivative of the normal force with the penetration at rest, N/m."""
 
     @property
     def force_on_sleeve_n(self) -> Points:
@@ -90,7 +90,7 @@ class ContactLaw:
     """The contact forces of one scene. Keeps no history: the same states give the same bits."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises Unsupported for what it does not know, SceneError for points too coarse to have a stiffness."""
+        """Raises Unsupported for a law without a numpy version, SceneError for points too coarse to have a stiffness."""
         contact, gear = scene.contact, scene.gear
         if contact.law not in LAWS:
             raise Unsupported(
@@ -228,7 +228,7 @@ class ContactLaw:
         return np.clip(depth / width, 0.0, 1.0) * elastic, slope
 
     def _on_pins(self, delta: Floats, stiffness: Floats, effective: Floats, own: Floats, pin: float) -> Floats:
-        """What the contacts take of delta, m: Newton's method within a shrinking bracket."""
+        """Contacts' part of delta, m, the rest being the pins' deflection: Newton's method within a shrinking bracket."""
         low, high, x = np.zeros_like(delta), delta.copy(), delta.copy()
         for _ in range(100):
             force, slope = self._at_rest(x, stiffness, effective, own)
@@ -251,7 +251,7 @@ class ContactLaw:
         return loads
 
     def rounding_n(self, states: Floats) -> Floats:
-        """How far two correct evaluations of the law may differ by rounding alone, N, one number a state (n,).
+        """Bound of the difference of two correct evaluations by rounding alone, N, one number a state (n,).
 
         A penetration is the difference of lengths of about the pitch radius, so it is known to their unit in the last place
         (1.4e-17 m), however small it is itself; the normal force follows with its slope. Friction below its ramp follows the
@@ -265,15 +265,15 @@ class ContactLaw:
         contact, reach = self.scene.contact, self.scene.gear.pitch_radius_m + self.scene.gear.eccentricity_m
         for start in range(0, states.shape[0], STATES_AT_ONCE):
             part = states[start : start + STATES_AT_ONCE]
-            found = self.contacts(part)
-            delta, damping = found.penetration_m, contact.damping_n_s_m * np.abs(found.normal_rate_m_s)
-            length = np.spacing(reach) * (found.slope_n_m + np.where(delta < contact.ramp_m, damping / contact.ramp_m, 0.0))
-            speed = np.spacing(reach * np.max(np.abs(part[..., 5]), axis=1))[found.state]
-            friction = contact.friction_coefficient * found.normal_force_n / contact.friction_ramp_m_s
+            pairs = self.contacts(part)
+            delta, damping = pairs.penetration_m, contact.damping_n_s_m * np.abs(pairs.normal_rate_m_s)
+            length = np.spacing(reach) * (pairs.slope_n_m + np.where(delta < contact.ramp_m, damping / contact.ramp_m, 0.0))
+            speed = np.spacing(reach * np.max(np.abs(part[..., 5]), axis=1))[pairs.state]
+            friction = contact.friction_coefficient * pairs.normal_force_n / contact.friction_ramp_m_s
             force = length * (1.0 + contact.friction_coefficient) + speed * (friction + contact.damping_n_s_m)
-            force += self._stiffness_rounding * found.normal_force_n
-            force += np.spacing(reach) * 2.8 * np.abs(found.along_force_n) / delta
-            bound[start : start + STATES_AT_ONCE] = np.bincount(found.state, force, part.shape[0])
+            force += self._stiffness_rounding * pairs.normal_force_n
+            force += np.spacing(reach) * 2.8 * np.abs(pairs.along_force_n) / delta
+            bound[start : start + STATES_AT_ONCE] = np.bincount(pairs.state, force, part.shape[0])
         return bound
 
     def nearest_gap_m(self, state: Floats) -> float:
@@ -293,15 +293,15 @@ class ContactLaw:
         return float(min(gaps))
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
-        found = self.contacts(states)
-        at_point, at_centre = found.force_on_sleeve_n, found.force_on_centre_n
+        pairs = self.contacts(states)
+        at_point, at_centre = pairs.force_on_sleeve_n, pairs.force_on_centre_n
         count, bodies = states.shape[0], states.shape[1]
-        middle = states[found.state, found.sleeve, 0] + 1j * states[found.state, found.sleeve, 1]
-        for body, sign in ((found.sleeve, 1.0), (found.wheel, -1.0)):
-            centre = states[found.state, body, 0] + 1j * states[found.state, body, 1]
-            moment = sign * np.imag(np.conj(found.point_m - centre) * at_point + np.conj(middle - centre) * at_centre)
+        middle = states[pairs.state, pairs.sleeve, 0] + 1j * states[pairs.state, pairs.sleeve, 1]
+        for body, sign in ((pairs.sleeve, 1.0), (pairs.wheel, -1.0)):
+            centre = states[pairs.state, body, 0] + 1j * states[pairs.state, body, 1]
+            moment = sign * np.imag(np.conj(pairs.point_m - centre) * at_point + np.conj(middle - centre) * at_centre)
             acting = sign * (at_point + at_centre)
-            slot = found.state * bodies + body
+            slot = pairs.state * bodies + body
             for column, value in enumerate((acting.real, acting.imag, moment)):
                 loads[:, :, column] += np.bincount(slot, value, count * bodies).reshape(count, bodies)
 
@@ -325,11 +325,11 @@ class ContactLaw:
             at.append((p, a))
         kept = np.nonzero(within)[0]
         feet = [self._on_edge(p[kept], a[kept], radius[kept]) for p, a in at]
-        found = feet[0] if len(feet) == 1 else self._on_flanks(local[kept], radius[kept], feet)
-        return _on_ground(states, kept, state, wheel, sleeve, turn, found)
+        touch = feet[0] if len(feet) == 1 else self._on_flanks(local[kept], radius[kept], feet)
+        return _on_ground(states, kept, state, wheel, sleeve, turn, touch)
 
     def _on_flanks(self, local: Points, radius: Floats, feet: list[Touch]) -> Touch:
-        """What touches, of the feet on either turned disc: the nearer one on the edge of their common part, or its corner.
+        """Touch of a disc with turned flanks: the nearer of both feet on the edge of their common part, or its corner.
 
         Counter-clockwise of a lobe's middle that edge is the disc's that is turned clockwise.
         """
@@ -355,7 +355,7 @@ class ContactLaw:
     def _corners(self) -> list[float]:
         """The curve's parameters at which the edge stands delta beyond the middle of a lobe, and of a pit."""
         half, turn, q = math.pi / self.curve.lobes, self.scene.gear.rotational_rad, self.scene.gear.edge_offset_m
-        found = []
+        corners = []
         for middle in (0.0, half):
             low, high = middle, middle + half
             for _ in range(60):
@@ -365,8 +365,8 @@ class ContactLaw:
                     low = float(a[0])
                 else:
                     high = float(a[0])
-            found.append(high)
-        return found
+            corners.append(high)
+        return corners
 
     def _on_edge(self, local: Points, a: Floats, radius: Floats) -> Touch:
         """W, n, delta, R and dR/ds of pins centred at `local`; `a`: the curve's parameter at their polar angles."""

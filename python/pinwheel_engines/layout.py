@@ -1,4 +1,4 @@
-"""Which body stands where, how the mechanism moves without contact, and how a run starts.
+"""Order and places of the bodies, and motion of the mechanism without contact.
 
 Body order everywhere: input shaft, output shaft, discs, ring pins, output pins. One body's state is
 (x, y, angle, vx, vy, rate) of its centre of mass, one body's load (fx, fy, moment about it), ground frame, SI.
@@ -227,8 +227,8 @@ def _even_phases(gear: Gear) -> Floats:
 def hole_centres(gear: Gear) -> npt.NDArray[np.complex128]:
     """Centres of the holes in each disc's frame, m, shape (discs, holes).
 
-    At the start hole k stands, seen from its disc's centre, at angle 2 pi k/zi of the ground, as output pin k does;
-    all of it without errors, and then the hole's own.
+    At the start hole k is at the ground's angle 2 pi k/zi about its disc's centre, as output pin k is about the output's.
+    The hole's own error is added to that.
     """
     start = (math.pi - _even_phases(gear)) / gear.lobes
     directions = turns(gear.internal_sleeves)[None, :] * np.exp(-1j * start)[:, None]

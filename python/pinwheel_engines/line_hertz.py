@@ -32,7 +32,7 @@ LEAST_LEVEL = 2.5
 
 @dataclass(frozen=True)
 class LineHertz:
-    """The law of one scene: all but the radii is the same for all contacts."""
+    """Law of one scene; contacts differ only in their radii."""
 
     pin_compliance: float
     """B_p, m/N."""
@@ -97,7 +97,7 @@ def disc_depth_m(gear: Gear, contact: Contact) -> float:
 
 
 def wall_m(gear: Gear) -> float:
-    """What is left between a hole and the disc's edge where it is thinnest, m; negative where a hole leaves the disc.
+    """Least thickness of the wall between a hole and the disc's edge, m; negative where a hole leaves the disc.
 
     The edge is as far from a hole's centre as the curve, less q'; of a disc with turned flanks the nearer edge counts.
     """

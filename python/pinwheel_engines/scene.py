@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.errors import SceneError
 
-# Times nearer to each other than this are one, s: more than the rounding of times.
+# Tolerance of equal times, s: more than their rounding.
 APART_S = 1e-9
 
 
@@ -99,8 +99,8 @@ class Gear(Table):
     @property
     def normal_m(self) -> dict[str, list[float]]:
         """Lists of an offset of the generating curve along its inward normal; empty: none."""
-        found = self._keys.get("modification", {}).get("normal_m", {})
-        return {key: values for key, values in found.items() if values}
+        lists = self._keys.get("modification", {}).get("normal_m", {})
+        return {key: values for key, values in lists.items() if values}
 
     @property
     def has_errors(self) -> bool:
@@ -108,13 +108,13 @@ class Gear(Table):
         return any(self._keys.get("errors", {}).values())
 
     def errors(self, key: str, count: int) -> npt.NDArray[np.float64]:
-        """The list of errors of that name: a number for each of `count` parts, zeros where the scene has none."""
-        found = self._keys.get("errors", {}).get(key) or np.zeros(count)
-        return np.asarray(found, dtype=np.float64)
+        """Errors of a name, one for each of `count` parts; zeros if the scene has none."""
+        values = self._keys.get("errors", {}).get(key) or np.zeros(count)
+        return np.asarray(values, dtype=np.float64)
 
     @property
     def extra_play_m(self) -> float:
-        """More than what modification and errors can add to the gap of a ring pin."""
+        """Upper bound of the gap of a ring pin that modification and errors can add, m."""
         change = abs(self._modification("equidistant_m")) + abs(self._modification("radial_m"))
         change += sum(abs(value) for values in self.normal_m.values() for value in values)
         lists = self._keys.get("errors", {}).items()
@@ -223,8 +223,8 @@ class Contact(Table):
     """Contact law (Eq. 20-24) and detection. Keys that a scene leaves to others say what they stand for then."""
 
     def _given(self, key: str, other: Any) -> Any:
-        found = self._keys.get(key)
-        return other if found is None else found
+        value = self._keys.get(key)
+        return other if value is None else value
 
     @property
     def pin_young_pa(self) -> float:
@@ -244,8 +244,8 @@ class Contact(Table):
     @property
     def disc_depth_m(self) -> float | None:
         """Depth of a disc behind a contact, m; None: the wall between a hole and the profile."""
-        found = self._keys.get("disc_depth_m")
-        return None if found is None else float(found)
+        value = self._keys.get("disc_depth_m")
+        return None if value is None else float(value)
 
 
 @dataclass(frozen=True)
@@ -254,8 +254,8 @@ class Solver(Table):
 
     def sample_times_s(self) -> npt.NDArray[np.float64]:
         """0, sample_s, 2 sample_s, ... and the end itself, which need not be a multiple of the sampling step."""
-        whole = math.floor(self.duration_s / self.sample_s * (1.0 + 1e-12))
-        times = [k * self.sample_s for k in range(whole + 1)]
+        count = math.floor(self.duration_s / self.sample_s * (1.0 + 1e-12))
+        times = [k * self.sample_s for k in range(count + 1)]
         if self.duration_s - times[-1] > 1e-9 * self.sample_s:
             times.append(self.duration_s)
         else:
@@ -293,13 +293,13 @@ _COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", 
 
 
 def _compiled_only(data: dict[str, Any]) -> str:
-    """The first key of what the compiled law alone has; empty: none."""
+    """First key of a scene that only the compiled law supports; empty: none."""
     bearings = data.get("bearings", {})
-    found = [f"bearings.{key}" for key in _COMPILED_ONLY if bearings.get(key)]
+    keys = [f"bearings.{key}" for key in _COMPILED_ONLY if bearings.get(key)]
     if data.get("contact", {}).get("friction_coefficient"):
         kinds = ("external_sleeves_turn", "internal_sleeves_turn")
-        found += [f"gear.{key}" for key in kinds if not data.get("gear", {}).get(key, True)]
-    return found[0] if found else ""
+        keys += [f"gear.{key}" for key in kinds if not data.get("gear", {}).get(key, True)]
+    return keys[0] if keys else ""
 
 
 @dataclass(frozen=True)
@@ -341,10 +341,10 @@ class Scene:
         _fold_cranks(data)
 
         def keys(table: str) -> tuple[dict[str, Any], str]:
-            found = data.get(table, {})
-            if not isinstance(found, dict):
-                raise SceneError(f"`{table}` must be a table, not {found!r}")
-            return found, f"{table}."
+            values = data.get(table, {})
+            if not isinstance(values, dict):
+                raise SceneError(f"`{table}` must be a table, not {values!r}")
+            return values, f"{table}."
 
         return Scene(
             str(data.get("name", "unnamed")),

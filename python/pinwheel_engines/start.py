@@ -76,7 +76,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
         return sense * np.array(torques)
 
     def settle(turn: float) -> Floats:
-        """Wheel turns at which each disc is in balance with the output held; the discs do not touch each other."""
+        """Turns of the discs in balance with the output held; discs do not act on each other."""
         low = np.full(wheels.size, -0.5 * np.pi / scene.gear.lobes)
         width = np.pi / scene.gear.lobes
         shares = np.arange(1, SECTIONS)[:, None] / SECTIONS

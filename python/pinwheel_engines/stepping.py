@@ -1,4 +1,4 @@
-"""Fixed steps that hit every sample: the step is the wanted one or a little less, a whole number of them a sample."""
+"""Fixed steps that hit every sample: an integer number of steps a sample, each of the wanted size or a little less."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Stretch:
 
 
 def stretches(times_s: npt.NDArray[np.float64], wanted_s: float, breaks_s: Sequence[float] = ()) -> list[Stretch]:
-    """The sample grid as runs of equal steps: all whole intervals, then the shorter last one if there is one.
+    """Divides the sample grid into runs of equal steps: all full intervals, then the shorter last one if there is one.
 
     Every break of the load ends a run: a step has the load of one side. Where a break lies between two samples, the
     steps on both its sides are a little shorter.
@@ -75,11 +75,11 @@ def _equal(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch]:
     if times_s.size < 2:
         return []
     spans = np.diff(times_s)
-    whole = times_s.size - 1
+    full = times_s.size - 1
     if spans.size > 1 and spans[-1] < spans[0] * (1.0 - 1e-9):
-        whole -= 1
+        full -= 1
     parts = []
-    for first, last in ((0, whole), (whole, times_s.size - 1)):
+    for first, last in ((0, full), (full, times_s.size - 1)):
         if last > first:
             count, _ = steps_between(float(times_s[first]), float(times_s[first + 1]), wanted_s)
             parts.append(Stretch(float(times_s[first]), float(times_s[last]), last - first, count))
@@ -87,6 +87,6 @@ def _equal(times_s: npt.NDArray[np.float64], wanted_s: float) -> list[Stretch]:
 
 
 def actual_step_s(times_s: npt.NDArray[np.float64], wanted_s: float) -> float:
-    """The step in use over the whole sample intervals; the wanted one for a run without any."""
+    """Step over the full sample intervals, s; the wanted one for a run without any."""
     parts = stretches(times_s, wanted_s)
     return (parts[0].end_s - parts[0].start_s) / parts[0].steps if parts else wanted_s

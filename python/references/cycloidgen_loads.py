@@ -35,7 +35,7 @@ except ModuleNotFoundError as error:
 
 from pinwheel_engines.scene import Scene
 
-# Poses over a period; of these the extremes are recorded.
+# Number of poses over a period, whose extremes are recorded.
 POSES = 48
 # Modification of the profile, equidistant or of the pin circle.
 CLEARANCE_MM = 0.05
@@ -123,7 +123,7 @@ def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
         "input_rad": phi,
         "levers_m": (-1e-3 * state.moment_arms[mirror]).tolist(),
         "forces_n": forces[mirror].tolist(),
-        # Of the pins on the disc; mirrored likewise.
+        # Force of the pins on the disc, mirrored too.
         "bearing_n": [-float(bearing @ along), float(bearing @ [along[1], -along[0]])],
     }
 
@@ -139,7 +139,7 @@ def output_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]
 
 
 def loads(scene: Scene) -> dict[str, Any]:
-    """Everything computed for one scene."""
+    """Returns all computed loads of one scene."""
     spec = specification(scene)
     torque = scene.drive.output_torque_n_m / scene.gear.wheels
     pitch = 2 * np.pi / scene.gear.external_sleeves
@@ -174,16 +174,16 @@ def loads(scene: Scene) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Command line."""
+    """Runs the command line."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("scenes", nargs="+", type=Path, metavar="SCENE.toml")
     parser.add_argument("--toml", action="store_true", help="the extremes only, as they are recorded")
     options = parser.parse_args()
-    found = [loads(Scene.load(path)) for path in options.scenes]
+    gears = [loads(Scene.load(path)) for path in options.scenes]
     if not options.toml:
-        print(json.dumps(found))
+        print(json.dumps(gears))
         return
-    for gear in found:
+    for gear in gears:
         print("\n[[gear]]")
         for key, value in gear.items():
             if key not in ("ring", "output"):

@@ -17,7 +17,7 @@ import numpy as np
 
 
 def follow(model_file: str, courses_file: str) -> list[float]:
-    """Output angles of the joint, rad."""
+    """Returns the output angles of the joint, rad."""
     model = mujoco.MjModel.from_xml_path(model_file)
     data = mujoco.MjData(model)
     time, angle, rate, load, output = np.loadtxt(courses_file, delimiter=",", skiprows=1).T
@@ -28,7 +28,7 @@ def follow(model_file: str, courses_file: str) -> list[float]:
     steps = max(1, int(np.ceil(sample / model.opt.timestep)))
     model.opt.timestep = sample / steps
     data.qpos[outer], data.qvel[outer] = output[0], (output[1] - output[0]) / sample
-    found = [float(output[0])]
+    angles = [float(output[0])]
     for k in range(len(time) - 1):
         for step in range(steps):
             share = step / steps
@@ -36,8 +36,8 @@ def follow(model_file: str, courses_file: str) -> list[float]:
             data.qvel[inner] = rate[k]
             data.qfrc_applied[outer] = load[k] + share * (load[k + 1] - load[k])
             mujoco.mj_step(model, data)
-        found.append(float(data.qpos[outer]))
-    return found
+        angles.append(float(data.qpos[outer]))
+    return angles
 
 
 if __name__ == "__main__":

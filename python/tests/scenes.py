@@ -81,8 +81,8 @@ def paper_text(**keys: object) -> str:
     """The text of the paper's scene with other values of keys; each is on one line of its own."""
     text = PAPER_FILE.read_text(encoding="utf-8")
     for key, value in keys.items():
-        text, found = re.subn(rf"^{key} = .*", f"{key} = {value}", text, flags=re.MULTILINE)
-        assert found == 1, key
+        text, count = re.subn(rf"^{key} = .*", f"{key} = {value}", text, flags=re.MULTILINE)
+        assert count == 1, key
     return text
 
 
@@ -220,10 +220,10 @@ def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:
     return recorder.columns()
 
 
-def relative_rms(found: dict[str, Floats], wanted: dict[str, Floats], start: str) -> float:
+def relative_rms(computed: dict[str, Floats], wanted: dict[str, Floats], start: str) -> float:
     """RMS of the difference over RMS of the reference, all columns that start with a word together."""
     names = [name for name in wanted if name.startswith(start)]
-    a = np.array([found[name] for name in names])
+    a = np.array([computed[name] for name in names])
     b = np.array([wanted[name] for name in names])
     return float(np.sqrt(np.mean((a - b) ** 2) / np.mean(b**2)))
 
@@ -231,6 +231,6 @@ def relative_rms(found: dict[str, Floats], wanted: dict[str, Floats], start: str
 GROUPS = ("external", "internal", "input_torque", "output_torque", "output_angle")
 
 
-def worst_rms(found: dict[str, Floats], wanted: dict[str, Floats]) -> float:
+def worst_rms(computed: dict[str, Floats], wanted: dict[str, Floats]) -> float:
     """The largest relative RMS of the contract's groups of columns."""
-    return max(relative_rms(found, wanted, group) for group in GROUPS)
+    return max(relative_rms(computed, wanted, group) for group in GROUPS)

@@ -1,4 +1,4 @@
-"""The comparison of two laws: it sees a difference, and tells a tie between two points from one."""
+"""Comparison of two laws: it detects a difference, and distinguishes it from a tie between two points."""
 
 import numpy as np
 import pytest
@@ -13,20 +13,20 @@ from tests import scenes
 def test_one_law_agrees_with_itself(name):
     scene = scenes.scene(scenes.ALL[name])
     plain = scenes.PlainLaw(scene)
-    found = compare(scene, plain.pointer, 50, seed=1)
-    assert found.states == 50
-    assert found.loaded > 30
-    assert found.largest_n > 10.0
-    assert found.worst_over_rounding < 0.5
-    assert found.ambiguous == 0
+    agreement = compare(scene, plain.pointer, 50, seed=1)
+    assert agreement.states == 50
+    assert agreement.loaded > 30
+    assert agreement.largest_n > 10.0
+    assert agreement.worst_over_rounding < 0.5
+    assert agreement.ambiguous == 0
 
 
 def test_a_law_that_is_off_is_seen():
     scene = scenes.scene()
     stiffer = scenes.PlainLaw(scenes.scene("[contact]\nstiffness_multiplier = 0.0100000001"))
-    found = compare(scene, stiffer.pointer, 50, seed=1)
-    assert found.worst_over_rounding > 100.0
-    assert 1e-9 < found.worst_relative < 1e-7
+    agreement = compare(scene, stiffer.pointer, 50, seed=1)
+    assert agreement.worst_over_rounding > 100.0
+    assert 1e-9 < agreement.worst_relative < 1e-7
 
 
 def test_a_law_that_numpy_does_not_know_is_refused():

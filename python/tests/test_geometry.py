@@ -17,7 +17,7 @@ CURVES = {
 
 
 def brute_distance(curve, p):
-    """Distance by sampling the whole curve, then golden sections around the best sample."""
+    """Distance by sampling the full curve, then golden sections around the best sample."""
     a = np.linspace(0.0, 2.0 * np.pi, 20001)
     c = curve.point(a)
     result = []
@@ -43,12 +43,12 @@ def test_closest_point_is_the_closest(curve, depth_m):
     inside, polar = curve.inside(p)
     p, polar = p[inside], polar[inside]
     assert p.size > 40
-    found, signed = curve.closest(p, polar)
+    foot, signed = curve.closest(p, polar)
     assert np.all(signed < 0.0)
     # The golden section stops at the root of the rounding; its distance is right to 1e-15 m.
     np.testing.assert_allclose(-signed, brute_distance(curve, p), rtol=0, atol=2e-15)
     # The foot's normal passes through the point.
-    away = (p - curve.point(found)) * np.conj(curve.normal(found))
+    away = (p - curve.point(foot)) * np.conj(curve.normal(foot))
     assert np.max(np.abs(away.imag)) < 1e-15
 
 

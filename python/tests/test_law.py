@@ -165,8 +165,8 @@ def test_points_converge_to_the_exact_contact():
     errors = []
     for count in (500, 2000, 8000):
         points = exact.with_keys("contact", detection="points", wheel_points=count, hole_points=count)
-        found = evaluate(points, states)[..., :2]
-        errors.append(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
+        computed = evaluate(points, states)[..., :2]
+        errors.append(np.sqrt(np.mean((computed - wanted) ** 2) / np.mean(wanted**2)))
     # The normal's direction is off by up to half a spacing over the pin's radius: first order.
     assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
     assert errors[2] < 0.02
@@ -206,17 +206,17 @@ def test_the_published_vectors(law):
     columns = ("x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "rate_rad_s")
     states = np.stack([bodies[name] for name in columns], axis=-1)[None]
     numpy_law = ContactLaw(scene)
-    found = numpy_law.contacts(states)
-    np.testing.assert_array_equal(found.wheel - 2, wanted["wheel"])
-    np.testing.assert_array_equal(found.sleeve, wanted["sleeve_body"])
+    pairs = numpy_law.contacts(states)
+    np.testing.assert_array_equal(pairs.wheel - 2, wanted["wheel"])
+    np.testing.assert_array_equal(pairs.sleeve, wanted["sleeve_body"])
     largest = np.abs(wanted["normal_force_n"]).max()
     # Measured 4.2e-12 at most: penetrations are known to 1.4e-17 m.
-    assert np.abs(found.normal_force_n - wanted["normal_force_n"]).max() < 1e-11 * largest
-    assert np.abs(found.friction_force_n - wanted["friction_force_n"]).max() < 1e-11 * largest
+    assert np.abs(pairs.normal_force_n - wanted["normal_force_n"]).max() < 1e-11 * largest
+    assert np.abs(pairs.friction_force_n - wanted["friction_force_n"]).max() < 1e-11 * largest
     along = np.abs(wanted["along_force_n"]).max()
     assert (along > 5e-4 * largest) == (law == "line-hertz")
-    assert np.abs(found.along_force_n - wanted["along_force_n"]).max() <= 1e-11 * along
-    np.testing.assert_allclose(found.stiffness, wanted["stiffness_n_m15"], rtol=1e-12)
+    assert np.abs(pairs.along_force_n - wanted["along_force_n"]).max() <= 1e-11 * along
+    np.testing.assert_allclose(pairs.stiffness, wanted["stiffness_n_m15"], rtol=1e-12)
     loads = numpy_law.loads(states)[0]
     for column, name in enumerate(("force_x_n", "force_y_n", "moment_n_m")):
         assert np.abs(loads[:, column] - bodies[name]).max() < 1e-11 * np.abs(bodies[name]).max()
@@ -244,7 +244,7 @@ def test_line_forces_come_from_an_energy(text):
 
 
 def test_line_contacts_follow_the_approach():
-    # A force found from a depth presses the bodies in by that depth, up to where they are a spring.
+    # The force computed from a depth gives that depth as approach, up to where the contact becomes a linear spring.
     line = LineHertz(3e-8, 5e-8, 0.3, 0.01)
     radius, sleeve = np.full(40, 0.02), np.full(40, 0.006)
     depth = np.geomspace(1e-12, 2e-4, 40)
@@ -308,7 +308,7 @@ def test_internal_contacts_of_another_stiffness():
 
 @pytest.mark.parametrize("law", ["paper", "line-hertz"])
 def test_a_pin_that_bends_is_a_spring_in_series(law):
-    """Contact and pin carry one force and share the approach; what is lost is lost at the contact's share of the rate."""
+    """Contact and pin carry one force and share the approach; the contact's share of the rate causes the loss."""
     rigid = scenes.scene().with_keys("contact", law=law, damping_n_s_m=0.0)
     soft, pin = dataclasses.replace(rigid, pin_n_m=2e6), 2e6
     states = scenes.random_states(rigid, 200)

@@ -67,8 +67,8 @@ def test_a_bed_carries_the_laws_force_wherever_it_is_pressed(bead):
         depth = (force / (law.stiffness_factor * math.sqrt(reduced))) ** (2 / 3)
         span = edge(scene, np.array([place]))[0] + (q - depth) * normal - beads
         pressed = np.maximum(q + bead - np.abs(span), 0.0) * np.real(np.conj(normal) * span) / np.abs(span)
-        for found, stiffness in ((alike, 1.0), (local, factors)):
-            found.append(bed_stiffness(scene) * spacing * np.sum(stiffness * pressed) / force - 1.0)
+        for errors, stiffness in ((alike, 1.0), (local, factors)):
+            errors.append(bed_stiffness(scene) * spacing * np.sum(stiffness * pressed) / force - 1.0)
     assert np.max(np.abs(local)) < 5e-3
     # Without the correction: pits carried too little.
     assert np.max(np.abs(alike)) > 2e-2
@@ -123,13 +123,13 @@ def test_reachable_segments_cover_the_contact(turn):
         span = (begin, begin + 0.0075)
         for time_s in np.linspace(*span, 3):
             angles, rates = kinematics.ideal(scene, time_s)
-            # A tenth of what ends a run presses pins in as deep as their radius.
+            # A tenth of the angle that ends a run presses pins in as deep as their radius.
             angles[layout.wheel_bodies] += 0.1 * turn * exudyn_own.leeway_rad(scene)
             states = kinematics.states(angles, rates)
-            found = law.contacts(states[None])
-            outside = found.sleeve < layout.external_bodies.stop
+            pairs = law.contacts(states[None])
+            outside = pairs.sleeve < layout.external_bodies.stop
             for wheel, sleeve, point in zip(
-                found.wheel[outside], found.sleeve[outside], found.point_m[outside], strict=True
+                pairs.wheel[outside], pairs.sleeve[outside], pairs.point_m[outside], strict=True
             ):
                 x, y, angle = states[wheel, :3]
                 number = wheel - layout.wheel_bodies.start

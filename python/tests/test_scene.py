@@ -1,4 +1,4 @@
-"""The scene file: keys as attributes, what is computed from them, and what is said where one is missing."""
+"""The scene file: keys as attributes, values computed from them, and the error for a missing key."""
 
 import copy
 import dataclasses

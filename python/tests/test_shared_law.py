@@ -286,15 +286,15 @@ def test_a_python_error_in_a_stage_arrives_with_its_text(engine, monkeypatch):
 
 @pytest.mark.parametrize("engine", SHARED)
 def test_progress_and_cancel(engine):
-    seen = []
+    times_s = []
 
     def progress(time_s):
-        seen.append(time_s)
+        times_s.append(time_s)
         return time_s > 2.5e-4
 
     with pytest.raises(Cancelled):
         run(scenes.scene("", 1e-3), engine, on_progress=progress)
-    assert seen == pytest.approx([0.0, 1e-4, 2e-4, 3e-4])
+    assert times_s == pytest.approx([0.0, 1e-4, 2e-4, 3e-4])
 
 
 def test_callbacks_of_others_are_put_back():

@@ -42,7 +42,7 @@ DOUBLES = ctypes.POINTER(ctypes.c_double)
 
 
 class DivergedError(Exception):
-    """The numbers ran away; the courses until then are written."""
+    """The run diverged; the courses until then are written."""
 
 
 class Law:
@@ -71,7 +71,7 @@ class Law:
         self.calls = 0
 
     def evaluate(self) -> None:
-        """Contact loads of `states`, into `loads`."""
+        """Evaluates the contact loads of `states` into `loads`."""
         self.calls += 1
         self._check(self._loads(*self._arguments))
 
@@ -80,7 +80,7 @@ class Law:
         return float(self._c.pinwheel_law_load_torque(self._handle, time_s))
 
     def close(self) -> None:
-        """Gives the scene back, which also tells the harness how often the law was asked."""
+        """Frees the law's scene, which also reports the number of the law's evaluations to the harness."""
         self._c.pinwheel_law_close(self._handle)
 
     def _check(self, status: int) -> None:
@@ -255,7 +255,7 @@ class Courses:
         print(*columns, sep=",", file=self.file)
 
     def row(self, time_s: float, input_torque: float, states: np.ndarray, loads: np.ndarray) -> None:
-        """One sample, from states and contact loads of all bodies."""
+        """Writes one sample, from states and contact loads of all bodies."""
         arm, force = states[self.on_output, :2] - states[OUTPUT, :2], loads[self.on_output, :2]
         # Couples of sleeves on their pins, and the seal.
         own = loads[OUTPUT, 2]
@@ -268,26 +268,26 @@ class Courses:
 def motions(drive: dict[str, Any]) -> list[tuple[float, float, float, float]]:
     """Returns start, angle, speed and acceleration of each stretch of the input's motion."""
     speed = drive["input_speed_rad_s"]
-    found = [(0.0, 0.0, speed, 0.0)]
+    pieces = [(0.0, 0.0, speed, 0.0)]
     for change in drive.get("speed_changes") or []:
         time, ramp, after = change["time_s"], change["ramp_s"], change["input_speed_rad_s"]
-        begin = found[-1][1] + speed * (time - found[-1][0])
-        found.append((time, begin, speed, (after - speed) / ramp))
-        found.append((time + ramp, begin + 0.5 * (speed + after) * ramp, after, 0.0))
+        begin = pieces[-1][1] + speed * (time - pieces[-1][0])
+        pieces.append((time, begin, speed, (after - speed) / ramp))
+        pieces.append((time + ramp, begin + 0.5 * (speed + after) * ramp, after, 0.0))
         speed = after
-    return found
+    return pieces
 
 
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
     """Returns the times of cuts of the run, jumps and kinks of load and speed and its end, by both clocks.
 
-    A sample there is the same moment but for rounding.
+    A sample within rounding of a cut stands for it on the second clock.
     """
-    found = {drive["load_ramp_s"]}
+    breaks = {drive["load_ramp_s"]}
     for change in [*(drive.get("load_changes") or []), *(drive.get("speed_changes") or [])]:
-        found |= {change["time_s"], change["time_s"] + (change.get("ramp_s") or 0.0)}
+        breaks |= {change["time_s"], change["time_s"] + (change.get("ramp_s") or 0.0)}
     cuts = []
-    for time in sorted(found):
+    for time in sorted(breaks):
         near = min(samples, key=lambda sample: abs(sample - time))
         at = near if abs(near - time) <= 1e-9 * samples[-1] else time
         if 0.0 < at < samples[-1]:
@@ -296,7 +296,7 @@ def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float
 
 
 def run(job: Path, library: str) -> None:
-    """One job."""
+    """Runs one job."""
     description = json.loads((job / "scene.json").read_text(encoding="utf-8"))
     scene, samples = description["scene"], description["samples_s"]
     law = Law(library, job)
@@ -349,10 +349,10 @@ def run(job: Path, library: str) -> None:
             solver.init_step(begin, y, yp)
             inside = [time for time in samples if begin < time < end]
             for target in [*inside, end]:
-                found = solver.step(target, tstop=end)
-                if not found.success:
-                    raise DivergedError(f"IDA gives up at t = {found.t} s: {found.message}")
-                y[:], yp[:] = found.y, found.yp
+                step = solver.step(target, tstop=end)
+                if not step.success:
+                    raise DivergedError(f"IDA gives up at t = {step.t} s: {step.message}")
+                y[:], yp[:] = step.y, step.yp
                 if target in wanted:
                     sample(target)
             begin, load_from = end, load_until
@@ -370,7 +370,7 @@ def run(job: Path, library: str) -> None:
 
 
 def main() -> int:
-    """The exit status of the job on the command line."""
+    """Runs the job on the command line; returns the exit status."""
     if len(sys.argv) != 3:
         print("usage: python ida.py JOB LAW", file=sys.stderr)
         return USAGE

@@ -36,7 +36,7 @@ constexpr int INPUT = 0;
 constexpr int OUTPUT = 1;
 constexpr int FREE = -2;
 
-// The numbers ran away; courses until then are written.
+// The run diverged; courses until then are written.
 struct Diverged : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -108,7 +108,7 @@ private:
     decltype(&pinwheel_law_load_torque) call_load_torque;
 };
 
-// A number of the job's description by its key, which is unique there.
+// Returns a number of the job's description by its key, which is unique there.
 double number(const std::string& json, const std::string& key) {
     const size_t at = json.find('"' + key + '"');
     const size_t colon = at == std::string::npos ? at : json.find(':', at);
@@ -116,36 +116,36 @@ double number(const std::string& json, const std::string& key) {
     return std::strtod(json.c_str() + colon + 1, nullptr);
 }
 
-// The entries of a list of changes of the job's description.
+// Returns the entries of a list of changes in the job's description.
 std::vector<std::string> changes(const std::string& json, const std::string& key) {
-    std::vector<std::string> found;
+    std::vector<std::string> entries;
     const size_t begin = json.find('"' + key + '"');
     const size_t end = begin == std::string::npos ? begin : json.find(']', begin);
-    if (end == std::string::npos) return found;
+    if (end == std::string::npos) return entries;
     const std::string list = json.substr(begin, end - begin);
     for (size_t at = list.find('{'); at != std::string::npos; at = list.find('{', at + 1))
-        found.push_back(list.substr(at, list.find('}', at) - at));
-    return found;
+        entries.push_back(list.substr(at, list.find('}', at) - at));
+    return entries;
 }
 
-// A time at which load or speed jumps or bends: a step across it errs by luck. The sample that is the same moment but for rounding
-// stands for it.
+// Time at which load or speed jumps or bends, for the load (`of_load`) and for the integrator (`time`: the sample within rounding, if
+// there is one). A step across it would have a random error.
 struct Cut {
     double of_load, time;
 };
 
 std::vector<Cut> cuts(const std::string& json, const std::vector<double>& samples) {
-    std::vector<double> found{number(json, "load_ramp_s")};
+    std::vector<double> times{number(json, "load_ramp_s")};
     for (const char* key : {"load_changes", "speed_changes"})
         for (const std::string& one : changes(json, key)) {
             const double time = number(one, "time_s");
             const double ramp = one.find("\"ramp_s\"") == std::string::npos ? 0.0 : number(one, "ramp_s");
-            found.push_back(time);
-            found.push_back(time + ramp);
+            times.push_back(time);
+            times.push_back(time + ramp);
         }
-    std::sort(found.begin(), found.end());
+    std::sort(times.begin(), times.end());
     std::vector<Cut> cuts;
-    for (double time : found) {
+    for (double time : times) {
         double at = time;
         for (double sample : samples)
             if (std::abs(sample - time) <= 1e-9 * samples.back()) at = sample;
@@ -159,12 +159,12 @@ std::vector<Cut> cuts(const std::string& json, const std::vector<double>& sample
 class Contacts : public Force::Custom::Implementation {
 public:
     Contacts(const Law& law, const SimbodyMatterSubsystem& matter)
-        : law(law), matter(matter), states(law.start), found(3 * law.bodies.size()) {}
+        : law(law), matter(matter), states(law.start), loads(3 * law.bodies.size()) {}
 
     void calcForce(const State& state, Vector_<SpatialVec>& forces, Vector_<Vec3>&, Vector&) const override {
         evaluate(state);
         for (size_t i = 0; i < law.bodies.size(); ++i) {
-            const double* load = &found[3 * i];
+            const double* load = &loads[3 * i];
             // Mobilized body 0 is the ground.
             forces[static_cast<int>(i) + 1] += SpatialVec(Vec3(0, 0, load[2]), Vec3(load[0], load[1], 0));
         }
@@ -200,13 +200,13 @@ public:
             s[2] = body.getOneQ(state, 0) + (carrier < 0 ? 0.0 : states[6 * carrier + 2]);
             s[3] = velocity[1][0], s[4] = velocity[1][1], s[5] = velocity[0][2];
         }
-        law.loads(states, found);
+        law.loads(states, loads);
     }
 
     const Law& law;
     const SimbodyMatterSubsystem& matter;
-    // One thread a run.
-    mutable std::vector<double> states, found;
+    // Mutable buffers: a run has one thread.
+    mutable std::vector<double> states, loads;
 
 private:
     double load_from = 0, load_until = Infinity;
@@ -401,7 +401,7 @@ void run(const std::string& job, const char* library, const std::string& method)
         for (double value : contacts->states)
             if (!std::isfinite(value)) throw Diverged("a state is not finite");
         if (!std::isfinite(torque)) throw Diverged("the driver torque is not finite");
-        courses.row(time, torque, contacts->states, contacts->found);
+        courses.row(time, torque, contacts->states, contacts->loads);
         std::cerr << "@t " << time << '\n';
     }
     std::ofstream result(job + "/result.json");

@@ -23,7 +23,7 @@ fn axe() -> Option<&'static str> {
 
 /// Returns serious and critical findings of axe-core on the open page, a line each; empty without axe-core.
 pub(crate) fn findings(browser: &mut Chromium, look: Look) -> Vec<String> {
-    const RUN: &str = "axe.run(document, { resultTypes: ['violations'], RULES }).then((found) => found.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
+    const RUN: &str = "axe.run(document, { resultTypes: ['violations'], RULES }).then((report) => report.violations        .filter((v) => v.impact === 'serious' || v.impact === 'critical')        .map((v) => `${v.id}, ${v.impact}, ${v.nodes.length} times: ${v.nodes[0].html.slice(0, 160)}`))";
     let Some(script) = axe() else {
         return Vec::new();
     };
@@ -36,9 +36,9 @@ pub(crate) fn findings(browser: &mut Chromium, look: Look) -> Vec<String> {
         Look { width, .. } if width == DESK.width => "rules: {}",
         _ => "rules: { 'color-contrast': { enabled: false } }",
     };
-    let found = browser.evaluate(&RUN.replace("RULES", rules));
-    let found = found.as_array().unwrap().iter();
-    found
+    let lines = browser.evaluate(&RUN.replace("RULES", rules));
+    let lines = lines.as_array().unwrap().iter();
+    lines
         .map(|line| format!("axe: {}", line.as_str().unwrap()))
         .collect()
 }
@@ -65,8 +65,8 @@ pub(crate) const ACCESS: &str = r##"(() => {
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
   const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
-  const told = (element) => `${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''}${element.className?.baseVal === undefined && element.className ? `.${element.className.split(' ').join('.')}` : ''} "${(element.textContent || '').trim().slice(0, 30)}"`;
-  const seen = (element) => element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.unseen, [hidden], .skip');
+  const described = (element) => `${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''}${element.className?.baseVal === undefined && element.className ? `.${element.className.split(' ').join('.')}` : ''} "${(element.textContent || '').trim().slice(0, 30)}"`;
+  const visible = (element) => element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.unseen, [hidden], .skip');
   const groundOf = (element) => {
     const layers = [];
     for (let e = element; e; e = e.parentElement) {
@@ -81,7 +81,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
   const done = new Set();
   for (let node = texts.nextNode(); node; node = texts.nextNode()) {
     const element = node.parentElement;
-    if (!node.data.trim() || done.has(element) || element.closest('script, style, noscript, svg, option, [aria-hidden="true"] canvas') || !seen(element)) continue;
+    if (!node.data.trim() || done.has(element) || element.closest('script, style, noscript, svg, option, [aria-hidden="true"] canvas') || !visible(element)) continue;
     done.add(element);
     const style = getComputedStyle(element);
     let alpha = 1;
@@ -91,7 +91,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
     const ratio = contrast(over([r, g, b, a * alpha], ground), ground);
     const size = parseFloat(style.fontSize);
     const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
-    if (ratio < (large ? 3 : 4.5)) faults.push(`contrast ${ratio.toFixed(2)}: ${told(element)}`);
+    if (ratio < (large ? 3 : 4.5)) faults.push(`contrast ${ratio.toFixed(2)}: ${described(element)}`);
   }
   // ---- Lines against the sheet they are drawn on, and apart from each other
   const probe = document.body.appendChild(document.createElement('i'));
@@ -110,29 +110,29 @@ pub(crate) const ACCESS: &str = r##"(() => {
     return e.getAttribute('aria-label') || by || labels || e.getAttribute('alt') || e.textContent.trim() || e.getAttribute('title');
   };
   for (const e of document.querySelectorAll('a[href], button, select, input, summary, [tabindex="0"], [role="img"], [role="region"], nav, img')) {
-    if (seen(e) && !nameOf(e)) faults.push(`no name: ${e.outerHTML.slice(0, 100)}`);
+    if (visible(e) && !nameOf(e)) faults.push(`no name: ${e.outerHTML.slice(0, 100)}`);
     const label = e.getAttribute('aria-label');
     if (label !== null && !label.trim()) faults.push(`empty label: ${e.outerHTML.slice(0, 100)}`);
   }
-  for (const e of document.querySelectorAll('select, input')) if (seen(e) && !(e.getAttribute('aria-label') || e.labels?.length || e.getAttribute('aria-labelledby'))) faults.push(`no label: ${e.outerHTML.slice(0, 80)}`);
+  for (const e of document.querySelectorAll('select, input')) if (visible(e) && !(e.getAttribute('aria-label') || e.labels?.length || e.getAttribute('aria-labelledby'))) faults.push(`no label: ${e.outerHTML.slice(0, 80)}`);
   // ---- Fingers: 24 px or more
   for (const e of document.querySelectorAll('button, select')) {
     const box = e.getBoundingClientRect();
-    if (seen(e) && !e.classList.contains('sort') && (box.height < 24 || box.width < 24)) faults.push(`small to hit, ${box.width.toFixed(0)} x ${box.height.toFixed(0)}: ${told(e)}`);
+    if (visible(e) && !e.classList.contains('sort') && (box.height < 24 || box.width < 24)) faults.push(`small to hit, ${box.width.toFixed(0)} x ${box.height.toFixed(0)}: ${described(e)}`);
   }
   // ---- Structure
-  const headings = [...document.querySelectorAll('h1, h2, h3, h4')].filter(seen).map((h) => Number(h.tagName[1]));
+  const headings = [...document.querySelectorAll('h1, h2, h3, h4')].filter(visible).map((h) => Number(h.tagName[1]));
   if (headings.filter((n) => n === 1).length !== 1) faults.push('not one h1');
   headings.forEach((n, k) => { if (k > 0 && n > headings[k - 1] + 1) faults.push(`heading ${n} follows ${headings[k - 1]}`); });
   const ids = [...document.querySelectorAll('[id]')].map((e) => e.id);
   ids.forEach((id, k) => { if (ids.indexOf(id) !== k) faults.push(`two of #${id}`); });
   for (const e of document.querySelectorAll('[aria-labelledby]')) for (const id of e.getAttribute('aria-labelledby').split(/\s+/)) if (!document.getElementById(id)) faults.push(`aria-labelledby ${id} is not there`);
   for (const e of document.querySelectorAll('a[href^="#"]')) if (!document.getElementById(decodeURIComponent(e.hash.slice(1)))) faults.push(`link to nothing: ${e.hash}`);
-  for (const e of document.querySelectorAll('table')) if (seen(e) && !e.querySelector('th[scope]')) faults.push(`table without headings: ${told(e)}`);
-  // What scrolls can be reached by keys.
+  for (const e of document.querySelectorAll('table')) if (visible(e) && !e.querySelector('th[scope]')) faults.push(`table without headings: ${described(e)}`);
+  // ---- Scrolling parts can be reached by keys
   for (const e of document.querySelectorAll('main *')) {
     const style = getComputedStyle(e);
-    if (seen(e) && ['auto', 'scroll'].includes(style.overflowX) && e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0 && !e.closest('nav')) faults.push(`scrolls without keys: ${told(e)}`);
+    if (visible(e) && ['auto', 'scroll'].includes(style.overflowX) && e.scrollWidth > e.clientWidth + 1 && e.tabIndex < 0 && !e.closest('nav')) faults.push(`scrolls without keys: ${described(e)}`);
   }
   for (const region of ['main', 'header', 'footer', 'nav']) if (!document.querySelector(region)) faults.push(`no ${region}`);
   if (!document.documentElement.lang || !document.title) faults.push('no language or title');

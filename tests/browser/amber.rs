@@ -10,13 +10,13 @@ use crate::chromium::{Chromium, DESK, Look, PHONE, browse};
 use crate::faults;
 
 /// Texts of a comparison: banner, first screen, and terminal.
-struct Said {
+struct Answer {
     banner: String,
     screen: String,
     terminal: String,
 }
 
-impl Said {
+impl Answer {
     fn of(browser: &mut Chromium, dir: &Path, command: &str, code: i32) -> Self {
         let args = format!("compare {command} --out r --force");
         let done = run_in(dir, words(&args));
@@ -33,7 +33,7 @@ impl Said {
     }
 
     /// Checks the tone, and all of `wanted` on the first screen and on the terminal.
-    fn says(&self, tone: &str, verdict: &str, wanted: &[&str]) {
+    fn check(&self, tone: &str, verdict: &str, wanted: &[&str]) {
         assert_eq!(self.banner, format!("banner {tone}"), "{}", self.screen);
         let last = self.terminal.contains(&verdict.to_uppercase());
         assert!(last && self.screen.contains(verdict), "{}", self.terminal);
@@ -76,23 +76,23 @@ fn browser_is_amber_where_nothing_confirms() {
     browse(|browser, dir| {
         let short = "--set solver.duration_s=0.01";
         // A single engine agrees with its load, and has no partner.
-        let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
-        alone.says("open", "Not confirmed", &["no agreement yet"]);
+        let alone = Answer::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
+        alone.check("open", "Not confirmed", &["no agreement yet"]);
 
         // Data that are 20 % off without an uncertainty.
         let against =
             format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
         rig(dir);
-        let off = Said::of(browser, dir, &against, 4);
-        off.says(
+        let off = Answer::of(browser, dir, &against, 4);
+        off.check(
             "open",
             "Not confirmed",
             &["by rig", "nothing shown", "its map states neither"],
         );
         // With an uncertainty.
         map(dir, ", uncertainty = { of_reading = 0.005 }");
-        let judged = Said::of(browser, dir, &against, 0);
-        judged.says(
+        let judged = Answer::of(browser, dir, &against, 0);
+        judged.check(
             "open",
             "Not confirmed",
             &["by rig", ": unexplained", "what the model leaves out"],
@@ -108,18 +108,18 @@ fn browser_is_amber_where_nothing_confirms() {
         assert_ne!(sound, unbalanced);
         std::fs::write(&place, unbalanced).unwrap();
         let of = format!("paper --engines mine --solver mine/solver.toml {short}");
-        let said = "mine: output torque and load do not give the output its acceleration";
-        Said::of(browser, dir, &of, 1).says("fail", "Differs", &[said]);
+        let cause = "mine: output torque and load do not give the output its acceleration";
+        Answer::of(browser, dir, &of, 1).check("fail", "Differs", &[cause]);
         let faulty = sound.replace("[math.hypot(", "[1.2 * math.hypot(");
         assert_ne!(sound, faulty);
         std::fs::write(&place, faulty).unwrap();
         let of = format!("paper --engines reduced,lagrange --solver mine/solver.toml {short}");
-        let differs = Said::of(browser, dir, &of, 1);
-        differs.says("fail", "Differs", &["mine", "law, likely force"]);
+        let differs = Answer::of(browser, dir, &of, 1);
+        differs.check("fail", "Differs", &["mine", "law, likely force"]);
         // The stage is drawn in three ways, on a phone and in the dark too.
         for look in [PHONE, Look { dark: true, ..DESK }] {
-            let (found, _) = faults(browser, look);
-            assert!(found.is_empty(), "{found:#?}");
+            let (wrong, _) = faults(browser, look);
+            assert!(wrong.is_empty(), "{wrong:#?}");
         }
         let drawn = "[...document.querySelectorAll('#stages .panel:has(.uplot) h3')].map((h) => h.textContent).join()";
         let drawn = browser.text(drawn);
@@ -128,8 +128,8 @@ fn browser_is_amber_where_nothing_confirms() {
         let text = std::fs::read_to_string(&manifest).unwrap();
         let (kept, _) = text.split_once("[refine]").unwrap();
         std::fs::write(&manifest, kept).unwrap();
-        let unknown = Said::of(browser, dir, &of, 4);
-        unknown.says(
+        let unknown = Answer::of(browser, dir, &of, 4);
+        unknown.check(
             "open",
             "Not confirmed",
             &["by mine", "nothing shown", "state"],
@@ -144,11 +144,11 @@ fn browser_says_whose_contacts_make_the_difference() {
     browse(|browser, dir| {
         let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
         // No engine confirms the scene's law.
-        let said = Said::of(browser, dir, command, 4);
+        let answer = Answer::of(browser, dir, command, 4);
         let wanted = [
             "from native runs with the same contacts",
             "add a second engine",
         ];
-        said.says("open", "Not confirmed", &wanted);
+        answer.check("open", "Not confirmed", &wanted);
     });
 }

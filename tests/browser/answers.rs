@@ -39,7 +39,7 @@ fn first_screen(browser: &mut Chromium, height: u32) -> String {
     ))
 }
 
-/// Returns the same questions for the terminal.
+/// Returns questions in their form for the terminal.
 fn on_terminal() -> [(&'static str, &'static str); 11] {
     let mut asked = ASKED;
     asked[0].1 = r"Ring pin force, largest [\d.]+ N";

@@ -105,7 +105,7 @@ pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
     let mut browser = idle.unwrap_or_else(|| Chromium::start(&program));
     let context = browser.begin();
     test(&mut browser, dir.path());
-    // What the test stored goes with its page.
+    // Removes everything that the test stored.
     browser.session = None;
     browser.call("Target.disposeBrowserContext", context);
     IDLE.lock().unwrap().push(browser);
@@ -175,7 +175,7 @@ impl Chromium {
         self.go(&format!("file://{}", page.display()), look);
     }
 
-    /// Removes all that pages stored, as in the browser of another.
+    /// Removes everything that pages stored, as for a new user.
     pub(crate) fn forget(&mut self) {
         self.evaluate("localStorage.clear()");
         self.call("Network.clearBrowserCookies", json!({}));
@@ -259,7 +259,7 @@ impl Chromium {
         self.call("Page.addScriptToEvaluateOnNewDocument", source);
     }
 
-    /// Sheets of A4 that the page takes in print. What is wider than a sheet would shrink all of it, letters included.
+    /// Returns the number of printed A4 sheets of the page. Content wider than a sheet would shrink the page with its letters.
     pub(crate) fn sheets(&mut self) -> usize {
         self.look(Look {
             width: SHEET,

@@ -18,7 +18,7 @@ const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => se
 /// Waits until all requests are answered with balances.
 const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(r, 20)); } while (document.body.dataset.busy !== undefined || /^(Balances|The motion)/.test(document.querySelector('#why').textContent)); })()";
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
-const SAID: &str = "document.querySelector('#said')?.textContent || ''";
+const MESSAGE: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
 const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
@@ -80,7 +80,7 @@ fn browser_explores_under_a_hand() {
             let drawn = "[...document.querySelectorAll('.panel .uplot canvas')].map((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((h, v) => (h * 31 + v) | 0, 0)).join()";
             let before = [FIGURES, drawn].map(|script| browser.text(script));
             // The profile is undercut soon with a larger eccentricity or pin. A rigid bearing's slider stands at its end.
-            // Pins and discs are whole.
+            // Numbers of pins and discs are integers.
             let by = match k {
                 0 | 1 | 7 => -0.04,
                 11 | 12 => -0.15,
@@ -103,14 +103,14 @@ fn browser_explores_under_a_hand() {
         browser.evaluate(BALANCED);
         let reason =
             browser.text("document.querySelector('#gear-eccentricity_m ~ .reason').textContent");
-        let said = "mm, smaller than output pin + eccentricity = 10.26 mm";
+        let limit = "mm, smaller than output pin + eccentricity = 10.26 mm";
         assert!(
-            reason.starts_with("Hole radius is ") && reason.contains(said),
+            reason.starts_with("Hole radius is ") && reason.contains(limit),
             "{reason}"
         );
         assert_eq!(browser.evaluate(STALE), json!(true));
         click(browser, "document.querySelector('#save')");
-        until(browser, SAID, |text| !text.is_empty());
+        until(browser, MESSAGE, |text| !text.is_empty());
         let place = dir.join("gear-explored.toml");
         assert!(!place.exists(), "a scene that is none was saved");
         drag(browser, slider, 0.4);
@@ -119,7 +119,7 @@ fn browser_explores_under_a_hand() {
 
         // The saved file is the state: a valid scene with the displayed values.
         click(browser, "document.querySelector('#save')");
-        until(browser, SAID, |text| {
+        until(browser, MESSAGE, |text| {
             text.starts_with("State B is in gear-explored.toml; next: pinwheel design")
         });
         let saved = Scene::load(place.to_str().unwrap(), &[]).unwrap();
@@ -161,7 +161,7 @@ fn browser_explores_under_a_hand() {
         // A file saved with a fault gives a message, and the display stays.
         let faulty = lighter.replace("eccentricity_m = ", "eccentricity_m = -");
         std::fs::write(&file, faulty).unwrap();
-        until(browser, SAID, |text| text.contains("eccentricity_m"));
+        until(browser, MESSAGE, |text| text.contains("eccentricity_m"));
         assert_eq!(browser.text(FIGURES), shown);
         browser.evaluate("window.old = true");
         std::fs::write(&file, lighter).unwrap();
@@ -170,25 +170,25 @@ fn browser_explores_under_a_hand() {
         // Figures stand beside the gear, on a phone directly under it.
         for (look, fold) in [(DESK, 900.0), (PHONE, 844.0)] {
             browser.look(look);
-            let seen = browser.evaluate(
+            let edges = browser.evaluate(
                 "(async () => { await new Promise((r) => setTimeout(r, 100)); scrollTo(0, 0); const at = (s) => document.querySelector(s).getBoundingClientRect(); \
                  return [at('#figures').top, at('#figures').bottom, at('.gearboxes').bottom, at('.hand').top]; })()",
             );
-            let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| seen[k].as_f64().unwrap());
-            assert!(top < fold && (look.width < 500 || bottom < fold), "{seen}");
-            assert!(look.width > 500 || (gear < top && bottom < hand), "{seen}");
+            let [top, bottom, gear, hand] = [0, 1, 2, 3].map(|k| edges[k].as_f64().unwrap());
+            assert!(top < fold && (look.width < 500 || bottom < fold), "{edges}");
+            assert!(look.width > 500 || (gear < top && bottom < hand), "{edges}");
         }
 
-        // Nothing is wrong with it at either width; here of states whose forces are no straight lines, which look like nothing.
+        // The page has no faults at either width. Force curves of these states bend: straight ones would count as not drawn.
         let hash = "#%7B%22now%22:%22b%22,%22a%22:%5B%5D,%22b%22:%5B%5B%22gear.backlash_m%22,%2236e-6%22%5D%5D,%22moved%22:%7B%7D%7D";
         browser.go("about:blank", DESK);
         browser.go(&format!("http://127.0.0.1:{port}/{hash}"), DESK);
         for look in [DESK, PHONE] {
             browser.evaluate(SETTLED);
-            let (mut wrong, seen) = faults(browser, look);
+            let (mut wrong, layout) = faults(browser, look);
             wrong.extend(findings(browser, look));
             assert!(wrong.is_empty(), "{}: {wrong:#?}", look.width);
-            assert_eq!(seen["gearboxes"], json!(1));
+            assert_eq!(layout["gearboxes"], json!(1));
         }
     });
 }
@@ -201,14 +201,14 @@ fn type_at(browser: &mut Chromium, slider: &str, text: &str) {
     browser.evaluate(BALANCED);
 }
 
-/// Text at a slider.
+/// Returns the text at a slider.
 fn typed(browser: &mut Chromium, slider: &str) -> String {
     browser.text(&format!(
         "document.querySelector('#{slider}').parentElement.querySelector('[type=text]').value"
     ))
 }
 
-/// Keys, steps, links and files; and what tolerances that are stated do.
+/// Keys, undo, links, files, and the effect of stated tolerances.
 #[test]
 fn browser_explores_by_numbers_steps_and_links() {
     browse(|browser, dir| {
@@ -221,7 +221,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         let served = Served::with(dir, "gear.toml", &flags);
         browser.go(&served.1, DESK);
         browser.evaluate(SETTLED);
-        // Margin and yield of the tolerances, with how sure the latter is.
+        // Margin and yield of the tolerances, the yield with its confidence.
         let figures = browser.text(FIGURES);
         for part in [
             "least margin of a limit",
@@ -233,7 +233,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         }
         let begun = browser.text(FIGURES);
 
-        // A number as it is typed, in the slider's unit; the state as a file of the reader's.
+        // A typed number in the slider's unit; the state as a downloaded file.
         type_at(browser, "gear-backlash_m", "12,5");
         browser.evaluate(SETTLED);
         let moved = browser.text(FIGURES);
@@ -246,7 +246,7 @@ fn browser_explores_by_numbers_steps_and_links() {
         assert!(text.contains("backlash_m = 0.0000125"), "{text}");
         assert!(text.contains("input_speed_rad_s = 314.159265"), "{text}");
 
-        // Undo and redo, by keys and by the browser's own steps, and no step leaves the page.
+        // Undo and redo by keys and by the browser's history; no step leaves the page.
         let key = |shift: bool| {
             format!(
                 "document.dispatchEvent(new KeyboardEvent('keydown', {{ key: 'z', ctrlKey: true, shiftKey: {shift} }}))"
@@ -268,13 +268,13 @@ fn browser_explores_by_numbers_steps_and_links() {
         browser.evaluate(SETTLED);
         assert_eq!(browser.text(FIGURES), moved);
 
-        // What cannot be says so in the slider's words and unit, and so does what is no number.
+        // An impossible value and a text that is no number are refused in the words and unit of the slider.
         let reason = "document.querySelector('#gear-backlash_m ~ .reason').textContent";
         type_at(browser, "gear-backlash_m", "5000");
-        let said = browser.text(reason);
+        let message = browser.text(reason);
         assert!(
-            said.starts_with("Backlash is 5000 \u{b5}m") && !said.contains("--set"),
-            "{said}"
+            message.starts_with("Backlash is 5000 \u{b5}m") && !message.contains("--set"),
+            "{message}"
         );
         type_at(browser, "gear-backlash_m", "much");
         assert!(browser.text(reason).contains("is no number"));
@@ -339,8 +339,8 @@ fn browser_says_what_is_still_computed() {
 
         // A comparison shows its progress; an interrupt ends it without leftovers.
         click(browser, "document.querySelector('#compare')");
-        let told = until(browser, SAID, |text| text.contains(" of "));
-        assert!(told.starts_with("Compares: "), "{told}");
+        let progress = until(browser, MESSAGE, |text| text.contains(" of "));
+        assert!(progress.starts_with("Compares: "), "{progress}");
         #[cfg(unix)]
         {
             let (status, took) = served.interrupt();

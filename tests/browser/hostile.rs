@@ -59,15 +59,15 @@ fn browser_shows_hostile_names_as_names() {
             browser.open(&dir.join("o/index.html"), DESK);
             browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)");
             browser.evaluate("new Promise((r) => setTimeout(r, 100))");
-            let found = browser.evaluate(LOOK);
-            let title = found[0].as_str().unwrap();
+            let effects = browser.evaluate(LOOK);
+            let title = effects[0].as_str().unwrap();
             assert!(
                 title != "owned" && title.contains("script"),
-                "{words:?}: {found}"
+                "{words:?}: {effects}"
             );
-            assert_eq!(found[1], 0, "{words:?}: {found}");
-            assert_eq!(found[2], false, "{words:?}: {found}");
-            assert_eq!(found[3], true, "{words:?}: {found}");
+            assert_eq!(effects[1], 0, "{words:?}: {effects}");
+            assert_eq!(effects[2], false, "{words:?}: {effects}");
+            assert_eq!(effects[3], true, "{words:?}: {effects}");
             browser.assert_quiet();
         }
     });

@@ -17,8 +17,8 @@ pub(crate) fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
          const b = e.getClientRects()[0] || new DOMRect(); const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
          if (b.width && now.join() === before) return now; before = now.join(); await new Promise((r) => setTimeout(r, 40)); }} }})()"
     );
-    let found = browser.evaluate(&script);
-    [0, 1, 2, 3].map(|k| found[k].as_f64().unwrap())
+    let bounds = browser.evaluate(&script);
+    [0, 1, 2, 3].map(|k| bounds[k].as_f64().unwrap())
 }
 
 pub(crate) fn click(browser: &mut Chromium, element: &str) {
@@ -101,9 +101,9 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     );
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
-    let said = browser.text("(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
+    let title = browser.text("(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
     );
-    assert_eq!(said, "Difference to native-lagrange");
+    assert_eq!(title, "Difference to native-lagrange");
     browser.assert_quiet();
 }
 
@@ -131,12 +131,12 @@ pub(crate) fn charts_are_saved(browser: &mut Chromium, page: &Path) {
     let head = "Time (s),native-reduced: Ring pin force (N),native-lagrange: Ring pin force (N)";
     assert_eq!(saved["csv"][0], head);
     let rows = saved["csv"].as_array().unwrap();
-    let whole = |row: &Value| {
+    let complete = |row: &Value| {
         let cells = row.as_str().unwrap().split(',');
         cells.filter(|cell| cell.parse::<f64>().is_ok()).count() == 3
     };
     assert!(
-        rows.len() > 100 && rows[1..rows.len() - 1].iter().all(whole),
+        rows.len() > 100 && rows[1..rows.len() - 1].iter().all(complete),
         "{rows:?}"
     );
     browser.assert_quiet();
@@ -148,8 +148,8 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.evaluate(DRAWN);
     browser.evaluate("document.querySelector('#chart .plot').focus()");
     browser.key("ArrowRight");
-    let said = browser.text("document.querySelector('#chart .plot + .unseen').textContent");
-    assert!(said.contains("native-reduced"), "nothing is said: {said}");
+    let text = browser.text("document.querySelector('#chart .plot + .unseen').textContent");
+    assert!(text.contains("native-reduced"), "not announced: {text}");
     browser.key("+");
     assert_eq!(browser.text(WINDOW), "");
     browser.key("0");
@@ -198,7 +198,7 @@ pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
     browser.evaluate(DRAWN);
     let at = "document.querySelector('.gearboxes .at').textContent";
     let [x, y, wide, _] = place(browser, "document.querySelector('.gearbox-time input')");
-    let mut seen = Vec::new();
+    let mut times = Vec::new();
     for share in [-0.4, 0.0, 0.4] {
         let to = x + share * wide;
         let drag = [
@@ -208,13 +208,13 @@ pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
             ("mouseReleased", to, y),
         ];
         browser.mouse(&drag, 1);
-        let told = browser.text(at);
-        let seconds = told.split(' ').nth(2).and_then(|s| s.parse::<f64>().ok());
-        seen.push(seconds.unwrap());
+        let label = browser.text(at);
+        let seconds = label.split(' ').nth(2).and_then(|s| s.parse::<f64>().ok());
+        times.push(seconds.unwrap());
     }
     // A run of 0.02 s, from one end to the other.
-    for (seconds, wanted) in seen.iter().zip([0.002, 0.01, 0.018]) {
-        assert!((seconds - wanted).abs() < 0.001, "{seen:?}");
+    for (seconds, wanted) in times.iter().zip([0.002, 0.01, 0.018]) {
+        assert!((seconds - wanted).abs() < 0.001, "{times:?}");
     }
 }
 
@@ -272,23 +272,23 @@ pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
     let sheets = browser.sheets();
     assert!((1..=4).contains(&sheets), "{sheets} sheets");
     browser.media("print");
-    let seen = browser.evaluate(
+    let checks = browser.evaluate(
         "({ parts: ['.banner', '.tiles', '.answer .facts', '.gearbox-view canvas', '#chart canvas', '[id^=track] td.map', '#command'].filter((s) => !document.querySelector(s)?.checkVisibility()), \
             controls: ['.topbar', '#chart-controls', '.gearbox-controls'].filter((s) => document.querySelector(s)?.checkVisibility()), \
             small: [...document.querySelectorAll('main *, footer *')].filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) && e.checkVisibility() && !e.closest('.unseen, canvas, script, style') && parseFloat(getComputedStyle(e).fontSize) < 11.99).slice(0, 3).map((e) => e.outerHTML.slice(0, 90)), \
             ground: getComputedStyle(document.body).backgroundColor })",
     );
     browser.media("");
-    assert_eq!(seen["parts"], json!([]), "not printed");
-    assert_eq!(seen["controls"], json!([]), "printed");
-    assert_eq!(seen["small"], json!([]), "below nine points");
-    assert_eq!(seen["ground"], json!("rgb(255, 255, 255)"));
+    assert_eq!(checks["parts"], json!([]), "not printed");
+    assert_eq!(checks["controls"], json!([]), "printed");
+    assert_eq!(checks["small"], json!([]), "below nine points");
+    assert_eq!(checks["ground"], json!("rgb(255, 255, 255)"));
 }
 
 /// A browser without decompression shows the same values.
 pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
     const VALUES: &str = "(() => { const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; for (const v of d) h = (h * 31 + v) | 0; return h; })()";
-    let mut seen: Vec<Value> = Vec::new();
+    let mut pictures: Vec<Value> = Vec::new();
     for lacking in [false, true] {
         if lacking {
             browser.before_pages("delete window.DecompressionStream");
@@ -300,10 +300,10 @@ pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
             json!(if lacking { "undefined" } else { "function" })
         );
         browser.evaluate("new Promise((r) => setTimeout(r, 150))");
-        seen.push(browser.evaluate(VALUES));
+        pictures.push(browser.evaluate(VALUES));
     }
     assert_eq!(
-        seen[0], seen[1],
+        pictures[0], pictures[1],
         "another picture without DecompressionStream"
     );
 }

@@ -120,33 +120,33 @@ const SERIES: &str = r#"(async () => {
   return { looked, faults };
 })()"#;
 
-/// Returns faults of the open page in one look, and the look.
+/// Returns faults of the open page in one look, and its layout.
 fn faults(browser: &mut Chromium, look: Look) -> (Vec<String>, Value) {
     browser.look(look);
-    let mut seen = browser.evaluate(LOOK_AT);
-    seen["access"] = browser.evaluate(ACCESS);
+    let mut layout = browser.evaluate(LOOK_AT);
+    layout["access"] = browser.evaluate(ACCESS);
     let mut faults = browser.complaints.clone();
     for (what, key) in [
         ("not drawn", "blank"),
         ("too wide", "wide"),
         ("not for everyone", "access"),
     ] {
-        let list = seen[key].as_array().unwrap();
+        let list = layout[key].as_array().unwrap();
         faults.extend(list.iter().map(|fault| format!("{what}: {fault}")));
     }
     for (key, what) in [
         ("overflow", "px wider than the screen"),
         ("waiting", "charts never drawn"),
     ] {
-        if seen[key].as_i64().unwrap() > 0 {
-            faults.push(format!("{} {what}", seen[key]));
+        if layout[key].as_i64().unwrap() > 0 {
+            faults.push(format!("{} {what}", layout[key]));
         }
     }
-    let ground = seen["ground"].as_f64().unwrap();
+    let ground = layout["ground"].as_f64().unwrap();
     if look.dark != (ground < 100.0) {
         faults.push(format!("ground of {ground}, dark: {}", look.dark));
     }
-    (faults, seen)
+    (faults, layout)
 }
 
 /// Checks a page in every look, opened once. It has at least these numbers of plots and moving gearboxes, and takes at most
@@ -163,14 +163,14 @@ fn flawless(browser: &mut Chromium, page: &Path, [plots, gearboxes, sheets]: [us
     assert!(printed <= sheets, "{printed} sheets");
     let mut wrong = Vec::new();
     for look in LOOKS {
-        let (mut faults, seen) = faults(browser, look);
+        let (mut faults, layout) = faults(browser, look);
         // Widths between these two have the same elements.
         if [DESK.width, PHONE.width].contains(&look.width) {
             faults.extend(access::findings(browser, look));
         }
-        let count = |key: &str| seen[key].as_u64().unwrap() as usize;
-        assert!(count("plots") >= plots, "{seen}");
-        assert_eq!(count("gearboxes"), gearboxes, "{seen}");
+        let count = |key: &str| layout[key].as_u64().unwrap() as usize;
+        assert!(count("plots") >= plots, "{layout}");
+        assert_eq!(count("gearboxes"), gearboxes, "{layout}");
         let theme = ["light", "dark"][usize::from(look.dark)];
         let shown = format!("{name}-{}-{theme}", look.width);
         if !faults.is_empty() || std::env::var_os("PINWHEEL_PICTURES").is_some() {
@@ -203,9 +203,9 @@ fn browser_sees_what_is_wrong() {
         .unwrap();
         let look = Look { dark: true, ..DESK };
         browser.open(&page, look);
-        let mut found = faults(browser, look).0;
-        found.extend(faults(browser, DESK).0);
-        found.extend(access::findings(browser, DESK));
+        let mut complaints = faults(browser, look).0;
+        complaints.extend(faults(browser, DESK).0);
+        complaints.extend(access::findings(browser, DESK));
         let mut parts = vec![
             "contrast 2.6",
             "no name: <button>",
@@ -221,8 +221,8 @@ fn browser_sees_what_is_wrong() {
             parts.extend(["axe: color-contrast", "axe: button-name"]);
         }
         for part in parts {
-            let is_seen = found.iter().any(|fault| fault.contains(part));
-            assert!(is_seen, "{part} is not in {found:#?}");
+            let is_listed = complaints.iter().any(|fault| fault.contains(part));
+            assert!(is_listed, "{part} is not in {complaints:#?}");
         }
     });
 }

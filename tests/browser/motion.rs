@@ -41,10 +41,10 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
     })()"#;
     let mut watch = |still: bool| {
         browser.open(page, Look { still, ..PHONE });
-        let seen = browser.evaluate(WATCH);
+        let states = browser.evaluate(WATCH);
         browser.assert_quiet();
-        let seen = seen.as_array().unwrap().iter();
-        seen.map(|v| v.as_bool().unwrap()).collect::<Vec<_>>()
+        let states = states.as_array().unwrap().iter();
+        states.map(|v| v.as_bool().unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(
         watch(false),
@@ -74,7 +74,7 @@ const COUNT: &str = r#"(() => {
   for (const name of ['Path2D', 'DOMMatrix', 'OffscreenCanvas']) {
     window[name] = new Proxy(window[name], { construct(kind, given) { count.paths += 1; return new kind(...given); } });
   }
-  // Whatever makes the browser lay out or style the page at once.
+  // Reads that force the browser to lay out or style the page at once.
   for (const name of ['getBoundingClientRect', 'getClientRects']) tap(Element.prototype, name, 'reads');
   tap(window, 'getComputedStyle', 'reads');
   for (const [owner, names] of [[Element.prototype, ['clientWidth', 'clientHeight', 'scrollTop', 'scrollWidth']], [HTMLElement.prototype, ['offsetWidth', 'offsetHeight', 'offsetLeft', 'offsetTop', 'innerText']]]) {
@@ -132,69 +132,69 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     browser.evaluate(COUNT);
     browser.evaluate(FRAMES);
     let before = browser.metrics();
-    let seen = browser.evaluate(THESE);
+    let cost = browser.evaluate(THESE);
     let after = browser.metrics();
-    let number = |key: &str| seen[key].as_f64().unwrap();
+    let number = |key: &str| cost[key].as_f64().unwrap();
     let frames = number("frames");
     let spent = |key: &str| after[key] - before[key];
-    assert!(frames >= 20.0, "it does not play: {seen}");
-    assert_eq!(number("idle"), 0.0, "every frame is drawn: {seen}");
-    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {seen}");
+    assert!(frames >= 20.0, "it does not play: {cost}");
+    assert_eq!(number("idle"), 0.0, "every frame is drawn: {cost}");
+    assert_eq!(number("requests"), 1.0, "a frame asks for one more: {cost}");
     for key in ["paths", "texts", "reads"] {
-        assert_eq!(number(key), 0.0, "{key}: {seen}");
+        assert_eq!(number(key), 0.0, "{key}: {cost}");
     }
     // Two discs, 8 + 16 pins, at most 32 forces: measured 407 points and 58 strokes; with paths built in every frame and
     // separate drawing of every part 212 strokes, 4 paths and 3 size queries.
-    assert!(number("points") < 600.0, "{seen}");
-    assert!(number("paints") < 90.0, "{seen}");
+    assert!(number("points") < 600.0, "{cost}");
+    assert!(number("paints") < 90.0, "{cost}");
     // Text changes ten times a second, and other frames cause no layout.
     assert!(
         spent("LayoutCount") <= number("changes") + 3.0,
-        "{} layouts, {seen}",
+        "{} layouts, {cost}",
         spent("LayoutCount")
     );
     browser.assert_quiet();
 }
 
-/// Paused, scrolled away or in a hidden tab it requests no frame; back in view it continues from its time.
+/// The gearbox requests no frame while paused, scrolled away or in a hidden tab; in view again it continues from its time.
 pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
     const WATCH: &str = r#"(async () => {
       const { count } = window.counted;
       const host = document.querySelector('.gearboxes');
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-      // Scrolling may take its time; then no frame may be asked for in the time of many.
+      // Scrolling may take a while; afterwards no frame may be requested during the time of many frames.
       const quiet = async () => { for (let k = 0; k < 40; k += 1) { const before = count.requests; await wait(200); if (count.requests === before) return true; } return false; };
       const busy = async () => { const before = count.requests; for (let k = 0; k < 100 && count.requests < before + 5; k += 1) await wait(50); return count.requests >= before + 5; };
       const hide = (on) => {
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => on });
         document.dispatchEvent(new Event('visibilitychange'));
       };
-      const seen = { began: await busy() };
+      const states = { began: await busy() };
       host.querySelector('.play').click();
-      seen.paused = await quiet();
+      states.paused = await quiet();
       host.querySelector('.play').click();
       host.querySelector('.play').click();
       host.querySelector('.play').click();
-      seen.went_on = await busy();
+      states.went_on = await busy();
       scrollTo(0, document.body.scrollHeight);
-      seen.away = await quiet();
+      states.away = await quiet();
       host.scrollIntoView();
-      seen.back = await busy();
+      states.back = await busy();
       hide(true);
-      seen.hidden = await quiet();
+      states.hidden = await quiet();
       hide(false);
-      seen.shown = await busy();
-      return seen;
+      states.shown = await busy();
+      return states;
     })()"#;
     browser.open(page, MOVING);
     browser.evaluate(COUNT);
-    let seen = browser.evaluate(WATCH);
-    let all = seen.as_object().unwrap();
+    let states = browser.evaluate(WATCH);
+    let all = states.as_object().unwrap();
     assert_eq!(all.len(), 7);
-    assert!(all.values().all(|v| *v == Value::Bool(true)), "{seen}");
+    assert!(all.values().all(|v| *v == Value::Bool(true)), "{states}");
 }
 
-/// With late frames on a fine screen it draws fewer pixels in motion, and all of them at rest.
+/// With late frames on a fine screen the gearbox is drawn with fewer pixels in motion, and with all of them at rest.
 pub(crate) fn late_frames_cost_sharpness(browser: &mut Chromium, page: &Path) {
     // The clock belongs to the test: frames 40 ms apart on any machine.
     const WATCH: &str = r#"(async () => {

@@ -32,11 +32,11 @@ fn browser_shows_the_bench_and_the_stability() {
                      --set solver.duration_s=0.005";
         flawless(browser, &page(dir, typed), [1, 0, 4]);
         // The chart comes before any table.
-        let seen = browser.evaluate(
+        let layout = browser.evaluate(
             "[document.querySelector('main .uplot').getBoundingClientRect().top + scrollY < 900, \
               document.querySelectorAll('details.depth').length >= 3, document.querySelector('.banner').className]",
         );
-        assert_eq!(seen, json!([true, true, "banner finding"]));
+        assert_eq!(layout, json!([true, true, "banner finding"]));
         for (name, stiffness) in [("soft", 0.01), ("stiff", 4.0)] {
             let scene = format!(
                 "base = \"paper\"\nname = \"{name}\"\n[contact]\nstiffness_multiplier = {stiffness}\n[solver]\nduration_s = 0.001\n"
@@ -58,48 +58,48 @@ fn browser_shows_sweeps() {
         let small = page(dir, "sweep small.toml");
         flawless(browser, &small, [0, 0, 2]);
         browser.open(&small, DESK);
-        let seen = browser.evaluate(
+        let layout = browser.evaluate(
             "[document.querySelector('.heat-map').getBoundingClientRect().bottom < 900, document.querySelectorAll('details.depth:not([open])').length, \
               document.querySelector('.banner .headline').textContent.startsWith('Ring pin force, peak: '), document.body.textContent.includes('did not finish')]",
         );
-        assert_eq!(seen, json!([true, 2, true, false]));
+        assert_eq!(layout, json!([true, 2, true, false]));
         // Two axes give a map; lines, other axes and figures are selectable.
-        let seen = browser.evaluate(
+        let counts = browser.evaluate(
             "(async () => {
               const rest = () => new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)));
               const maps = () => document.querySelectorAll('.heat-map').length;
               const plots = () => document.querySelectorAll('.grid .uplot').length;
               const select = (k, value) => { const s = document.querySelectorAll('.grid select')[k]; s.value = value; s.dispatchEvent(new Event('change')); };
-              const seen = [maps(), plots(), document.querySelectorAll('.heat-map td.map').length];
+              const counts = [maps(), plots(), document.querySelectorAll('.heat-map td.map').length];
               document.querySelectorAll('.grid .buttons button')[0].click();
               await rest();
-              seen.push(maps(), plots(), document.querySelectorAll('.grid .chip').length);
+              counts.push(maps(), plots(), document.querySelectorAll('.grid .chip').length);
               select(1, '1');
               await rest();
-              seen.push(document.querySelectorAll('.grid .chip').length);
+              counts.push(document.querySelectorAll('.grid .chip').length);
               select(0, '1');
               await rest();
-              seen.push(plots(), document.querySelectorAll('.grid select')[0].value);
-              return seen;
+              counts.push(plots(), document.querySelectorAll('.grid select')[0].value);
+              return counts;
             })()",
         );
-        assert_eq!(seen, json!([1, 0, 6, 0, 1, 2, 3, 1, "1"]));
+        assert_eq!(counts, json!([1, 0, 6, 0, 1, 2, 3, 1, "1"]));
         browser.assert_quiet();
         let sweep = "name = \"three\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.005\n[vary]\n\
                      gear.backlash_m = [0.0, 2.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\ndrive.output_torque_n_m = [11.0, 22.0, 33.0]\n";
         fs::write(dir.join("three.toml"), sweep).unwrap();
         browser.open(&page(dir, "sweep three.toml"), PHONE);
         assert!(browser.sheets() <= 3);
-        let (found, _) = faults(browser, PHONE);
-        assert!(found.is_empty(), "{found:#?}");
-        let seen = browser.evaluate(
+        let (complaints, _) = faults(browser, PHONE);
+        assert!(complaints.is_empty(), "{complaints:#?}");
+        let counts = browser.evaluate(
             "(() => {
               const maps = [...document.querySelectorAll('.grid .scroll')];
               return [maps.length, new Set(maps.map((m) => m.getAttribute('aria-label'))).size, document.querySelectorAll('.heat-map td.map').length];
             })()",
         );
         // The axis with most values comes first, so the one with two values has the panels.
-        assert_eq!(seen, json!([2, 2, 12]));
+        assert_eq!(counts, json!([2, 2, 12]));
     });
 }
 
@@ -130,11 +130,11 @@ fn browser_shows_measured_data() {
         flawless(browser, &page, [2, 1, 5]);
         browser.open(&page, DESK);
         browser.evaluate(DRAWN);
-        let seen = browser.evaluate(
+        let content = browser.evaluate(
             "({
               first: document.querySelector('[id^=track] h2').textContent,
               unfolded: document.querySelector('[id^=track] .item').open,
-              told: /0\\.00(21|209)\\d* s were added to its times/.test(document.querySelector('[id^=track]').textContent),
+              shift_noted: /0\\.00(21|209)\\d* s were added to its times/.test(document.querySelector('[id^=track]').textContent),
               residual: document.querySelector('.plot-title').textContent,
               base: document.getElementById('base').selectedOptions[0].textContent,
               drawn: document.body.dataset.drawn,
@@ -142,9 +142,9 @@ fn browser_shows_measured_data() {
             })",
         );
         let residual = "Difference to rig: the residual, and its budget of uncertainty as a strip (about 95 %)";
-        let wanted = json!({"first": "Measured", "unfolded": true, "told": true, "residual": residual, "base": "rig",
+        let wanted = json!({"first": "Measured", "unfolded": true, "shift_noted": true, "residual": residual, "base": "rig",
                             "drawn": "Driver torque", "long": ""});
-        assert_eq!(seen, wanted);
+        assert_eq!(content, wanted);
     });
 }
 
@@ -161,15 +161,15 @@ fn browser_shows_a_run() {
         flawless(browser, &page, [1, 1, 3]);
         browser.open(&page, DESK);
         browser.evaluate(DRAWN);
-        let seen = browser.evaluate(
+        let view = browser.evaluate(
             "(() => { const tiles = [...document.querySelectorAll('.decision .tile')]; \
              return { asked: tiles.map((t) => t.querySelector('.label').textContent), next: tiles.at(-1).querySelector('code').textContent, \
              fits: tiles.every((t) => t.getBoundingClientRect().bottom < 900), plots: document.querySelectorAll('#chart .uplot').length }; })()",
         );
         let asked = ["Is it right?", "Will it bear?", "How sure?", "What next?"];
-        assert_eq!(seen["asked"], json!(asked));
-        assert_eq!(seen["next"], "pinwheel compare paper");
-        assert_eq!((&seen["fits"], &seen["plots"]), (&json!(true), &json!(1)));
+        assert_eq!(view["asked"], json!(asked));
+        assert_eq!(view["next"], "pinwheel compare paper");
+        assert_eq!((&view["fits"], &view["plots"]), (&json!(true), &json!(1)));
     });
 }
 
@@ -213,9 +213,9 @@ fn browser_shows_two_designs() {
         // Without pass or fail, differences have their name and size.
         let class = browser.text("document.querySelector('.banner').className");
         assert_eq!(class, "banner finding");
-        let said = browser.text("document.querySelector('.banner .headline').textContent");
-        let much = said.contains('%') || said.contains('\u{d7}');
-        assert!(said.contains("figures differ, most: ") && much, "{said}");
+        let title = browser.text("document.querySelector('.banner .headline').textContent");
+        let much = title.contains('%') || title.contains('\u{d7}');
+        assert!(title.contains("figures differ, most: ") && much, "{title}");
         // Channels of only one design are drawn too: the twelfth pin.
         let drawn = browser.text(
             "(async () => {

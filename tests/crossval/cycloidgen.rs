@@ -84,11 +84,11 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// Largest difference over the largest value.
-fn off(found: &[f64], wanted: &[f64]) -> f64 {
-    assert_eq!(found.len(), wanted.len());
+/// Returns the largest difference over the largest value.
+fn off(computed: &[f64], wanted: &[f64]) -> f64 {
+    assert_eq!(computed.len(), wanted.len());
     let size = wanted.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let pairs = found.iter().zip(wanted);
+    let pairs = computed.iter().zip(wanted);
     pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / size
 }
 
@@ -126,8 +126,8 @@ fn closed_forms(live: &[Value]) {
         let torque = number(&live["wheel_torque_n_m"]);
         let zk = gear.external_sleeves;
         let mut worst = [0.0_f64; 6];
-        let mut note = |found: &[(usize, f64)]| {
-            for &(which, error) in found {
+        let mut note = |errors: &[(usize, f64)]| {
+            for &(which, error) in errors {
                 worst[which] = worst[which].max(error);
             }
         };
@@ -211,12 +211,12 @@ fn solver_against(live: &Value, scene: &Scene, torque: f64) -> [f64; 3] {
     for (stage, key) in ["ring", "output"].into_iter().enumerate() {
         for pose in live[key].as_array().unwrap().iter().step_by(6) {
             let phi = number(&pose["input_rad"]);
-            let found = statics.solve(phi, torque).unwrap();
+            let balance = statics.solve(phi, torque).unwrap();
             let (s, c) = phi.sin_cos();
             let levers = numbers(&pose["levers_m"]);
             let mut forces = vec![0.0; levers.len()];
             let mut across = 0.0;
-            for pair in statics.touching(&found) {
+            for pair in statics.touching(&balance) {
                 match (stage, pair.sleeve) {
                     (0, Sleeve::External(k)) => {
                         forces[k] = pair.normal_force_n;

@@ -149,7 +149,7 @@ fn crossval_structure_that_gives_way() {
 }
 
 /// Ring pins that do not turn beside sleeves with both frictions, on discs that float; and output pins that do not turn. All from balance:
-/// everything slides under the whole load from the first step on.
+/// everything slides under the full load from the first step on.
 const PINS: &[(&str, &[(&str, &str)])] = &[
     (
         "needle-bearings",
@@ -275,9 +275,9 @@ fn faults(preset: &str, sets: &[(&str, &str)], conclusive: bool) -> Vec<String> 
         obey: true,
         ..Effort::of(&scene)
     };
-    let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+    let outcome = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
     let mut wrong = Vec::new();
-    for (one, (name, most_d, most_u)) in found.participants.iter().zip(ENGINES) {
+    for (one, (name, most_d, most_u)) in outcome.participants.iter().zip(ENGINES) {
         if let Status::Absent { reason } = &one.status {
             let required = std::env::var_os("PINWHEEL_REQUIRE_SIMBODY").is_some();
             assert!(!required, "{reason}");
@@ -286,11 +286,11 @@ fn faults(preset: &str, sets: &[(&str, &str)], conclusive: bool) -> Vec<String> 
         }
         assert!(one.status.is_finished(), "{gear}, {name}: {:?}", one.status);
         let mut largest = [0.0_f64; 2];
-        let pairs = found.comparison.pairs.iter();
+        let pairs = outcome.comparison.pairs.iter();
         for pair in pairs.filter(|pair| pair.a == ENGINES[0].0 && pair.b == *name) {
             for entry in &pair.entries {
                 let result = &entry.result;
-                // Pins that carry nothing would test nothing.
+                // Pins without load would test nothing.
                 let idle = result.verdict == Verdict::NotCompared
                     && entry.quantity.ends_with("sleeve_force_n");
                 let open = conclusive && result.verdict == Verdict::Inconclusive;
@@ -309,8 +309,8 @@ fn faults(preset: &str, sets: &[(&str, &str)], conclusive: bool) -> Vec<String> 
             wrong.push(format!("{gear}, {name}: D {d:e}, U {u:e}"));
         }
     }
-    // Each alone: output torque and load must match the output's acceleration.
-    for engine in &found.comparison.engines {
+    // Every engine: output torque and load must match the acceleration of its output.
+    for engine in &outcome.comparison.engines {
         let judged = engine.judged.iter();
         for entry in judged.filter(|entry| entry.result.verdict == Verdict::Differ) {
             let (name, quantity) = (&engine.name, &entry.quantity);

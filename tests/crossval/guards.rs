@@ -86,10 +86,10 @@ fn crossval_python_repeats_and_alternates() {
 fn crossval_python_progress_and_stop() {
     let scene = scene("paper", &[("solver.duration_s", "0.01")]);
     for engine in ALL {
-        let (cancel, seen) = (AtomicBool::new(false), Mutex::new(Vec::new()));
+        let (cancel, at_s) = (AtomicBool::new(false), Mutex::new(Vec::new()));
         let progress = |at: Progress<'_>| {
             let [time_s, _] = at.simulated_s.unwrap();
-            seen.lock().unwrap().push(time_s);
+            at_s.lock().unwrap().push(time_s);
             if time_s > 4.5e-4 {
                 cancel.store(true, Ordering::Relaxed);
             }
@@ -99,10 +99,10 @@ fn crossval_python_progress_and_stop() {
             .unwrap()
             .run(&scene.clone().check().unwrap(), &control);
         assert!(matches!(outcome, Err(Cancelled)), "{engine}");
-        let seen = seen.into_inner().unwrap();
+        let at_s = at_s.into_inner().unwrap();
         let wanted: Vec<f64> = (0..=5).map(|k| f64::from(k) * 1e-4).collect();
-        assert_eq!(seen.len(), wanted.len(), "{engine}: {seen:?}");
-        assert!(seen.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert_eq!(at_s.len(), wanted.len(), "{engine}: {at_s:?}");
+        assert!(at_s.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 }
 

@@ -44,9 +44,9 @@ fn follows(gears: &[(&str, [f64; 2])]) {
         course.solver.sample_s = period / 40.0;
         course.solver.integrator = "auto".to_owned();
         let gearbox = |scene: &Scene| Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-        let whole = gearbox(&rated);
-        let found = design::run(&whole, whole.has_friction(), &Control::quiet()).unwrap();
-        let joint = found.joint.unwrap();
+        let base = gearbox(&rated);
+        let study = design::run(&base, base.has_friction(), &Control::quiet()).unwrap();
+        let joint = study.joint.unwrap();
         let time_series = run("native", &course);
         let (gear, speed) = (gearbox(&course), rated.drive.input_speed_rad_s);
         let output = time_series.channel("output_angle_rad").unwrap();

@@ -43,12 +43,12 @@ fn crossval_python_law_in_numpy() {
         ("modified", vec![rollers], 2e-11),
     ] {
         let scene = scene(preset, &settings);
-        let found = law_agreement(&scene.clone().check().unwrap(), 1_000, 1).unwrap();
-        println!("{preset} {settings:?}: {found:?}");
-        assert!(found.loaded > 500, "states that say nothing");
-        assert!(found.ambiguous < 2, "{found:?}");
-        assert_within(preset, found.worst_n / found.largest_n, largest);
-        assert_within("roundings", found.worst_over_rounding, 3.0);
+        let agreement = law_agreement(&scene.clone().check().unwrap(), 1_000, 1).unwrap();
+        println!("{preset} {settings:?}: {agreement:?}");
+        assert!(agreement.loaded > 500, "states that say nothing");
+        assert!(agreement.ambiguous < 2, "{agreement:?}");
+        assert_within(preset, agreement.worst_n / agreement.largest_n, largest);
+        assert_within("roundings", agreement.worst_over_rounding, 3.0);
     }
     // A wrong law is detected.
     let mut off = scene("paper", &[]);

@@ -129,7 +129,7 @@ fn crossval_numpy_contacts_agree() {
         .output()
         .unwrap();
     assert_fine(compare, &ran);
-    let said = String::from_utf8_lossy(&ran.stdout);
-    let words: Vec<&str> = said.split_whitespace().collect();
-    assert!(words.join(" ").contains("mine agrees to "), "{said}");
+    let stdout = String::from_utf8_lossy(&ran.stdout);
+    let words: Vec<&str> = stdout.split_whitespace().collect();
+    assert!(words.join(" ").contains("mine agrees to "), "{stdout}");
 }

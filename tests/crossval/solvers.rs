@@ -42,10 +42,10 @@ fn follows_its_recording(engine: &str, scene: &Scene, live: &TimeSeries) -> bool
     let Some(recording) = all.find(|recording| recording.is_of(scene)) else {
         return false;
     };
-    let found = by_name(engine, scene).unwrap().version();
-    if found != recording.version {
+    let version = by_name(engine, scene).unwrap().version();
+    if version != recording.version {
         println!(
-            "skipped: recorded with {}, here is {found}",
+            "skipped: recorded with {}, here is {version}",
             recording.version
         );
         return true;
@@ -80,7 +80,7 @@ fn judged(
     window: (f64, f64),
     reference: &TimeSeries,
 ) -> ([f64; 2], bool) {
-    let run = runs::whole(engine, scene);
+    let run = runs::finished(engine, scene);
     let error =
         |quantities: &[&str]| runs::relative(&run.time_series, reference, quantities, window);
     let errors = [error(&FORCES), error(&TORQUE)];
@@ -116,8 +116,8 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
     let mut finer = start.clone();
     finer.solver.tolerance *= 0.1;
     let fine = errors(engine, &finer, (0.0, 0.02), &resolved);
-    let found = coarse[0] / fine[0];
-    assert!(found > gain, "{found} for a tenth of the tolerance");
+    let ratio = coarse[0] / fine[0];
+    assert!(ratio > gain, "{ratio} for a tenth of the tolerance");
 
     let settings = [
         ("drive.start", "equilibrium"),
@@ -156,8 +156,8 @@ fn friction() -> (Scene, TimeSeries) {
 fn crossval_simbody_friction() {
     if simbody() {
         let (scene, resolved) = friction();
-        let found = recorded_errors(SIMBODY, &scene, &resolved);
-        assert_within(found, [6e-6, 2.5e-5]);
+        let errors = recorded_errors(SIMBODY, &scene, &resolved);
+        assert_within(errors, [6e-6, 2.5e-5]);
     }
 }
 
@@ -166,8 +166,8 @@ fn crossval_simbody_friction() {
 #[test]
 fn crossval_ida_friction() {
     let (scene, resolved) = friction();
-    let found = recorded_errors(IDA, &scene, &resolved);
-    assert_within(found, [2e-5, 1.6e-4]);
+    let errors = recorded_errors(IDA, &scene, &resolved);
+    assert_within(errors, [2e-5, 1.6e-4]);
 }
 
 /// Ramps of the speed, one within a step. rapier is second order in its own step of 1e-5 s.
@@ -249,8 +249,8 @@ fn other_scenes(rows: &[(&str, &str, &[(&str, &str)], [f64; 2])]) {
         let window = (0.0, scene.solver.duration_s);
         for (engine, limit) in [SIMBODY, IDA].into_iter().zip(limits) {
             if engine == IDA || simbody {
-                let (found, is_recorded) = judged(engine, &scene, window, &resolved);
-                assert_within(found, [limit; 2]);
+                let (errors, is_recorded) = judged(engine, &scene, window, &resolved);
+                assert_within(errors, [limit; 2]);
                 let has = RECORDED_SCENES.contains(&preset) && settings.is_empty();
                 assert_eq!(is_recorded, has, "{preset} {engine}");
             }
@@ -310,7 +310,7 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
     let compiler = dir.path().join("compiler");
     let real = std::env::var("CXX").unwrap_or_else(|_| "c++".to_owned());
     let programs = pinwheel_engines::cache::folder().unwrap();
-    // The folder in the cache is named after what the compiler says of itself, and a draft after the folder.
+    // The cache folder is named after the version text of the compiler, and a draft after the folder.
     let script = format!(
         "#!/bin/sh\n[ \"$1\" = --version ] && exec {real} --version\nsleep 0.2\nwhile [ \"$1\" != -o ]; do shift; done\n\
          draft=$(basename \"$(dirname \"$2\")\")\nname=${{draft#.}}\nexec cp \"{}/${{name%%.*}}/simbody\" \"$2\"\n",

@@ -1,5 +1,4 @@
-//! parry as an independent oracle of distance: a fine polyline of the curve against the exact
-//! closest point.
+//! Distances of points from the curve: the exact closest point against parry with a fine polyline.
 
 use std::f64::consts::TAU;
 
@@ -45,9 +44,9 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
             Complex::unit(TAU * random.share()).scale(1.5 * curve.pitch_radius() * random.share())
         };
         let foot = curve.closest(p);
-        let seen = Vector::new(p.re, p.im);
-        let nearest = line.project_local_point(seen, false);
-        let distance = (seen - nearest.point).length();
+        let point = Vector::new(p.re, p.im);
+        let nearest = line.project_local_point(point, false);
+        let distance = (point - nearest.point).length();
         let error = (distance - foot.distance.abs()).abs();
         assert!(
             error < LIMIT_M,
@@ -56,7 +55,7 @@ fn largest_error(curve: &Epitrochoid, positions: usize) -> f64 {
             p.im,
             foot.distance
         );
-        // Closer to the curve than the polyline, the side depends on the polyline.
+        // For points closer to the curve than the polyline is, the side depends on the polyline.
         if foot.distance.abs() > LIMIT_M {
             assert_eq!(
                 nearest.is_inside,

@@ -29,7 +29,7 @@ fn relative(
     runs::relative(time_series, reference, &[quantity], (from_s, to_s))
 }
 
-/// Mean over the window and the channels.
+/// Returns the mean over the window and the channels.
 fn mean(time_series: &TimeSeries, quantity: &str, from_s: f64, to_s: f64) -> f64 {
     let window = time_series.window(from_s, to_s);
     let channels = channels(time_series, quantity);
@@ -389,10 +389,10 @@ fn channels_agree_or_are_missing() {
             scene.drive.start = Start::Kinematic;
             scene.solver.duration_s = 0.002;
         }
-        let found = runs::whole(engine, &scene);
-        let notes = found.stats.notes.join(" ");
+        let run = runs::finished(engine, &scene);
+        let notes = run.stats.notes.join(" ");
         assert_eq!(notes.contains("does not know"), !pairs, "{engine}: {notes}");
-        let time_series = &found.time_series;
+        let time_series = &run.time_series;
         let missing = native.channels().len() - time_series.channels().len();
         assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 12 + 2 }, "{engine}");
         assert!(time_series.channel("external_contact_ratio_1").is_some());

@@ -39,7 +39,7 @@ fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
 fn packages() -> Vec<Package> {
     let of = |features| tree(&["--workspace", features], "{p}|{l}");
     let lines = of("--all-features").or_else(|_| of("--offline"));
-    let lines = lines.unwrap_or_else(|said| panic!("cargo tree fails: {said}"));
+    let lines = lines.unwrap_or_else(|error| panic!("cargo tree fails: {error}"));
     lines.iter().filter_map(|line| package(line)).collect()
 }
 
@@ -47,7 +47,7 @@ fn packages() -> Vec<Package> {
 #[test]
 fn nothing_of_the_wheel_is_compiled_twice() {
     let lines = tree(&["-p", "pinwheel-python"], "{p}|{f}");
-    let lines = lines.unwrap_or_else(|said| panic!("cargo tree fails: {said}"));
+    let lines = lines.unwrap_or_else(|error| panic!("cargo tree fails: {error}"));
     let mut features: BTreeMap<&str, &str> = BTreeMap::new();
     for (package, own) in lines.iter().filter_map(|line| line.split_once('|')) {
         let before = features.insert(package, own).unwrap_or(own);
@@ -85,21 +85,21 @@ fn satisfied(expression: &str, allowed: &dyn Fn(&str) -> bool) -> bool {
 }
 
 fn any(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
-    let mut found = all(words, at, allowed);
+    let mut accepted = all(words, at, allowed);
     while words.get(*at) == Some(&"OR") {
         *at += 1;
-        found |= all(words, at, allowed);
+        accepted |= all(words, at, allowed);
     }
-    found
+    accepted
 }
 
 fn all(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
-    let mut found = one(words, at, allowed);
+    let mut accepted = one(words, at, allowed);
     while words.get(*at) == Some(&"AND") {
         *at += 1;
-        found &= one(words, at, allowed);
+        accepted &= one(words, at, allowed);
     }
-    found
+    accepted
 }
 
 fn one(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
@@ -108,10 +108,10 @@ fn one(words: &[&str], at: &mut usize, allowed: &dyn Fn(&str) -> bool) -> bool {
     };
     *at += 1;
     if *word == "(" {
-        let found = any(words, at, allowed);
+        let accepted = any(words, at, allowed);
         let closed = words.get(*at) == Some(&")");
         *at += 1;
-        return found && closed;
+        return accepted && closed;
     }
     allowed(&word.replace("+WITH+", " WITH "))
 }
@@ -219,11 +219,11 @@ fn regress_cargo_run_is_the_program() {
         .args(["--format-version", "1"]);
     let output = command.output().expect("cargo runs");
     assert!(output.status.success(), "cargo metadata fails");
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let built = told["workspace_default_members"]
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let built = metadata["workspace_default_members"]
         .as_array()
         .expect("members");
-    let packages = told["packages"].as_array().expect("packages");
+    let packages = metadata["packages"].as_array().expect("packages");
     let to_run: Vec<_> = packages
         .iter()
         .filter(|package| built.contains(&package["id"]))
@@ -255,8 +255,8 @@ fn the_version_moves_everywhere_at_once() {
             .arg(folder.path().join("tools/version"))
             .args(arguments);
         let output = command.output().expect("Python");
-        let said = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-        output.status.success().then_some(said)
+        let printed = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        output.status.success().then_some(printed)
     };
     let text = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
     assert_eq!(version(&[]).as_deref(), Some(env!("CARGO_PKG_VERSION")));
@@ -274,7 +274,7 @@ fn the_version_moves_everywhere_at_once() {
 #[test]
 fn regress_workflows_run_nothing_that_may_change_under_them() {
     let folder = repository(".github/workflows");
-    let mut seen = 0;
+    let mut count = 0;
     for file in std::fs::read_dir(folder).expect("workflows") {
         let path = file.expect("a file").path();
         for line in std::fs::read_to_string(&path).expect("text").lines() {
@@ -290,11 +290,11 @@ fn regress_workflows_run_nothing_that_may_change_under_them() {
                         && cargo.is_none_or(|(_, what)| what.contains('@'))
                 }
             };
-            seen += usize::from(line.contains("install") || line.contains("uses: "));
+            count += usize::from(line.contains("install") || line.contains("uses: "));
             assert!(sound, "{}: {line}", path.display());
         }
     }
-    assert!(seen > 20);
+    assert!(count > 20);
     let read = |file: &str| std::fs::read_to_string(repository(file)).expect(file);
     for line in read(".ci/run").lines() {
         let fetches = line.contains("pip\" install ") || line.contains("npm install ");
@@ -311,7 +311,7 @@ fn regress_workflows_run_nothing_that_may_change_under_them() {
     install
         .arg(repository("tools/install"))
         .args(["a/b", &commit, "x"]);
-    let said = install.output().expect("bash");
-    assert_eq!(said.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&said.stderr).contains("by its input `version`"));
+    let output = install.output().expect("bash");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("by its input `version`"));
 }

@@ -4,7 +4,7 @@
 
 use pinwheel_engines::Ending;
 use pinwheel_scene::{Detection, PRESETS};
-use pinwheel_tests::runs::{self, attempt, scene, whole as run};
+use pinwheel_tests::runs::{self, attempt, finished as run, scene};
 use pinwheel_timeseries::TimeSeries;
 
 const FORCES: [&str; 2] = ["external_sleeve_force_n", "internal_sleeve_force_n"];
@@ -16,8 +16,8 @@ fn forces_of(time_series: &TimeSeries) -> Vec<&[f64]> {
         .collect()
 }
 
-fn relative(found: &TimeSeries, reference: &TimeSeries, names: &[&str]) -> f64 {
-    runs::relative(found, reference, names, (0.0, f64::INFINITY))
+fn relative(computed: &TimeSeries, reference: &TimeSeries, names: &[&str]) -> f64 {
+    runs::relative(computed, reference, names, (0.0, f64::INFINITY))
 }
 
 /// Every hard preset ends in both forms with plausible forces for its load, or with an error that states time and quantity.
@@ -264,19 +264,19 @@ fn served(every: usize) {
         } else {
             at("dopri5", "1e-5", "1e-9")
         };
-        let found = at(row.by, "1e-5", &tolerance);
+        let computed = at(row.by, "1e-5", &tolerance);
         let forces = |time_series: &TimeSeries| {
             let groups = forces_of(time_series);
             let all = groups.iter().flat_map(|g| g.iter());
             all.fold(0.0, |most: f64, &force| most.max(force))
         };
         if forces(&converged) < 1e-9 {
-            // Only rounding, in both: no load, no gap, no force.
-            println!("{}: no forces, {:.1e} N", row.scene, forces(&found));
-            assert!(forces(&found) < 1e-9, "{}", row.scene);
+            // Without load and gap both have only rounding errors for forces.
+            println!("{}: no forces, {:.1e} N", row.scene, forces(&computed));
+            assert!(forces(&computed) < 1e-9, "{}", row.scene);
             continue;
         }
-        let error = relative(&found, &converged, &FORCES);
+        let error = relative(&computed, &converged, &FORCES);
         println!("{} by {}: {error:.2e}", row.scene, row.by);
         if !(error <= row.bound) {
             exceeded.push(format!("{}: {error:.2e} > {:.2e}", row.scene, row.bound));

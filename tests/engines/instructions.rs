@@ -47,8 +47,8 @@ fn balances(statics: &mut Statics<'_>) {
     let load = statics.gearbox().scene.drive.output_torque_n_m;
     let mut last = None;
     for k in 0..BALANCES {
-        let found = statics.track(&mut last, 0.01 * f64::from(k), load);
-        found.expect("a balance");
+        let balance = statics.track(&mut last, 0.01 * f64::from(k), load);
+        balance.expect("a balance");
     }
 }
 
@@ -139,13 +139,13 @@ fn counted() -> Result<BTreeMap<String, f64>, String> {
         ])
         .output()
         .map_err(|error| format!("valgrind does not start: {error}"))?;
-    let told = String::from_utf8_lossy(&output.stdout);
+    let stdout = String::from_utf8_lossy(&output.stdout);
     assert!(
         output.status.success(),
-        "{told}{}",
+        "{stdout}{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    if !told.contains("vectors: avx2") {
+    if !stdout.contains("vectors: avx2") {
         return Err("this processor has no AVX2, for which the accepted counts are".to_owned());
     }
     // The first part is the preparation.

@@ -96,11 +96,11 @@ fn regress_layers_leave_to_others_what_is_theirs() {
     for (crates, words, but, why) in LEFT_TO_OTHERS {
         for name in crates {
             for word in words {
-                let found = holding(name, word).into_iter();
-                let found: Vec<PathBuf> = found
+                let holders = holding(name, word).into_iter();
+                let holders: Vec<PathBuf> = holders
                     .filter(|file| but.is_empty() || !file.ends_with(Path::new(but)))
                     .collect();
-                assert!(found.is_empty(), "{why}, but {word} is in {found:?}");
+                assert!(holders.is_empty(), "{why}, but {word} is in {holders:?}");
             }
         }
     }

@@ -185,7 +185,7 @@ fn loops(folder: &Path) -> BTreeSet<String> {
         }
         imports.insert(module.clone(), targets);
     }
-    let told = |chain: Vec<Module>| {
+    let to_text = |chain: Vec<Module>| {
         let files = chain
             .iter()
             .map(|module| modules[module].strip_prefix(folder));
@@ -195,7 +195,7 @@ fn loops(folder: &Path) -> BTreeSet<String> {
     let chains = imports.keys().filter_map(|module| chain(module, &imports));
     // A loop appears at each of its files; it is reported once, at the first of them.
     let first = |chain: &Vec<Module>| chain.iter().min() == chain.first();
-    chains.filter(first).map(told).collect()
+    chains.filter(first).map(to_text).collect()
 }
 
 #[test]
@@ -206,8 +206,8 @@ fn regress_no_file_imports_itself_through_others() {
         let name = place.file_name().expect("a name").to_string_lossy();
         let folder = place.join("src");
         if folder.is_dir() {
-            let found = loops(&folder).into_iter();
-            all.extend(found.map(|line| format!("{name}: {line}")));
+            let lines = loops(&folder).into_iter();
+            all.extend(lines.map(|line| format!("{name}: {line}")));
         }
     }
     assert!(all.is_empty(), "{all:#?}");

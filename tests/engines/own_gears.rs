@@ -17,9 +17,9 @@ const BEGINNING: f64 = 0.02;
 fn gears() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/gears");
     let entries = std::fs::read_dir(folder).unwrap();
-    let mut found: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    found.sort();
-    found
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
 }
 
 /// No gear is refused, no native engine fails, no two differ, and inconclusive verdicts have a reason.
@@ -34,8 +34,8 @@ fn hard_own_gears_are_compared_at_the_first_try() {
             "{path:?}"
         );
         let path = path.to_str().unwrap();
-        let whole = Scene::load(path, &[]).unwrap();
-        let duration_s = BEGINNING * whole.solver.duration_s;
+        let full = Scene::load(path, &[]).unwrap();
+        let duration_s = BEGINNING * full.solver.duration_s;
         let short = Override::new("solver.duration_s", duration_s.to_string());
         let scene = Scene::load(path, &[short]).unwrap();
         if scene.contact.friction_coefficient > 0.0 {
@@ -56,8 +56,8 @@ fn hard_own_gears_are_compared_at_the_first_try() {
             longest: Duration::from_secs(20),
             ..Effort::of(&scene)
         };
-        let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
-        for one in &found.participants {
+        let outcome = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+        for one in &outcome.participants {
             assert!(
                 one.status.is_finished(),
                 "{path}: {}: {:?}",
@@ -65,7 +65,7 @@ fn hard_own_gears_are_compared_at_the_first_try() {
                 one.status
             );
         }
-        let comparison = &found.comparison;
+        let comparison = &outcome.comparison;
         println!("{path}: {:?}", comparison.counts);
         assert_eq!(
             comparison.counts.exit_status(),
@@ -76,19 +76,19 @@ fn hard_own_gears_are_compared_at_the_first_try() {
         assert!(comparison.counts.agree > 0, "{path}");
         for pair in &comparison.pairs {
             for entry in &pair.entries {
-                let found = &entry.result;
-                match found.verdict {
+                let result = &entry.result;
+                match result.verdict {
                     // Twice the resolution without a confirmed order.
                     Verdict::Agree => {
                         assert!(
-                            found.bound.unwrap() <= 2.0 * RESOLUTION,
-                            "{path}: {found:?}"
+                            result.bound.unwrap() <= 2.0 * RESOLUTION,
+                            "{path}: {result:?}"
                         );
                     }
                     Verdict::Inconclusive => {
                         assert!(
-                            !found.actionable && !found.reason.is_empty(),
-                            "{path}: {found:?}"
+                            !result.actionable && !result.reason.is_empty(),
+                            "{path}: {result:?}"
                         );
                     }
                     _ => {}

@@ -37,7 +37,7 @@ enum Outcome {
     /// Resolved, with the stated uncertainty and the true error.
     Judged(Uncertainty, Distance),
     /// Not resolved according to `auto` itself, with its reason.
-    Told(String),
+    Unresolved(String),
     /// No reference: two reference runs disagree by more than the target.
     NoTruth(f64),
     /// Failure of every method.
@@ -50,33 +50,33 @@ fn judge(scene: &Scene) -> Outcome {
         Err(error) => return Outcome::Failed(error.to_string()),
     };
     let (run, uncertainty) = match run_resolved(&gearbox, TARGET, BUDGET, &mut |_| false) {
-        Ok(found) => found,
+        Ok(resolved) => resolved,
         Err(error) => return Outcome::Failed(error.to_string()),
     };
     match &run.ending {
         Ending::Finished => {}
         // The test's budget did not suffice for one run.
         Ending::Diverged { quantity, .. } if quantity.contains("evaluations") => {
-            return Outcome::Told(quantity.clone());
+            return Outcome::Unresolved(quantity.clone());
         }
         ending => return Outcome::Failed(ending.to_string()),
     }
     if !uncertainty.is_resolved() {
-        return Outcome::Told(uncertainty.sentence());
+        return Outcome::Unresolved(uncertainty.sentence());
     }
     let by = uncertainty.chosen().map_or("", |level| &level.integrator);
     let [first, second] = reference::settings(scene, by);
     let off = |truth: &TimeSeries| gearbox.distance(&run.time_series, truth);
     let quiet = AtomicBool::new(false);
     let solve = |way| reference::solve(scene, way, &Control::silent(&quiet)).ok();
-    let truth = solve(first).map(|found| found.1);
+    let truth = solve(first).map(|solution| solution.1);
     if let Some(truth) = &truth
         && off(truth).worst() <= TARGET
     {
         return Outcome::Judged(uncertainty, off(truth));
     }
     // Either may be wrong: the second reference decides, if converged.
-    match (truth, solve(second).map(|found| found.1)) {
+    match (truth, solve(second).map(|solution| solution.1)) {
         (Some(first), Some(second)) => {
             let apart = gearbox.distance(&first, &second).worst();
             let error = off(&second);
@@ -125,7 +125,7 @@ fn print_histogram(pairs: &[(f64, f64)]) {
 fn crossval_no_random_gear_is_silently_wrong() {
     let seeds = seeds();
     let rubbing = std::env::var_os("PINWHEEL_RUBBING").is_some();
-    let (next, found) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
+    let (next, outcomes) = (AtomicU64::new(seeds.start), Mutex::new(Vec::new()));
     let threads = std::thread::available_parallelism().map_or(2, std::num::NonZero::get);
     std::thread::scope(|scope| {
         for _ in 0..threads {
@@ -140,17 +140,17 @@ fn crossval_no_random_gear_is_silently_wrong() {
                         continue;
                     }
                     let outcome = judge(&scene);
-                    found.lock().unwrap().push((seed, outcome));
+                    outcomes.lock().unwrap().push((seed, outcome));
                 }
             });
         }
     });
     let mut pairs = Vec::new();
-    let (mut silent, mut failed, mut told, mut open) = (Vec::new(), Vec::new(), 0, 0);
+    let (mut silent, mut failed, mut refused, mut open) = (Vec::new(), Vec::new(), 0, 0);
     let mut costs = Vec::new();
-    let found = found.into_inner().unwrap();
-    let total = found.len();
-    for (seed, outcome) in found {
+    let outcomes = outcomes.into_inner().unwrap();
+    let total = outcomes.len();
+    for (seed, outcome) in outcomes {
         match outcome {
             Outcome::Judged(uncertainty, error) => {
                 let stated = uncertainty.error.unwrap().worst();
@@ -160,8 +160,8 @@ fn crossval_no_random_gear_is_silently_wrong() {
                     silent.push(format!("{seed}: {stated:.1e} stated, {error:?}"));
                 }
             }
-            Outcome::Told(why) => {
-                told += 1;
+            Outcome::Unresolved(why) => {
+                refused += 1;
                 println!("{seed}: {why}");
             }
             Outcome::NoTruth(apart) => {
@@ -174,14 +174,14 @@ fn crossval_no_random_gear_is_silently_wrong() {
     print_histogram(&pairs);
     costs.sort_by(f64::total_cmp);
     println!(
-        "{} judged, {told} said not resolved, {open} without a truth; cost {:.2} times a run in the median",
+        "{} judged, {refused} stated as not resolved, {open} without a truth; cost {:.2} times a run in the median",
         pairs.len(),
         costs[costs.len() / 2]
     );
     assert!(failed.is_empty(), "{failed:#?}");
     assert!(silent.is_empty(), "{silent:#?}");
     // Refusing every gear, or judging none, would hide failures.
-    assert!(told * 20 <= total, "{told} of {total} not resolved");
+    assert!(refused * 20 <= total, "{refused} of {total} not resolved");
     assert!(open * 50 <= total, "{open} of {total} without a truth");
     assert!(costs[costs.len() / 2] <= 1.75, "{costs:?}");
 }

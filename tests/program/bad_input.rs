@@ -13,7 +13,7 @@ fn refusal(outcome: &Outcome, what: &str) -> String {
     let line = outcome.stderr.trim_end_matches('\n');
     assert!(!line.contains('\n'), "{what}: more than one line: {line}");
     assert!(line.starts_with("error: "), "{what}: {line}");
-    // Fault; remedy.
+    // The line consists of fault and remedy.
     assert!(line.contains("; "), "{what}: no remedy: {line}");
     line.to_owned()
 }
@@ -63,12 +63,12 @@ fn bad_input_is_an_annotation_on_github() {
     let mut command = pinwheel();
     command.args(["run", "mine.toml"]).current_dir(dir.path());
     let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(
-        said.contains("\n::error file=mine.toml,line=3::mine.toml, line 3: "),
-        "{said}"
+        stderr.contains("\n::error file=mine.toml,line=3::mine.toml, line 3: "),
+        "{stderr}"
     );
-    // A verdict is one sentence, not the table that it decides.
+    // The annotation of a verdict is one sentence, without the table.
     for (typed, verdict) in [
         (
             "design paper --statics --set limits.pressure_pa=1e6",
@@ -82,8 +82,8 @@ fn bad_input_is_an_annotation_on_github() {
         let mut command = pinwheel();
         command.args(words(typed)).current_dir(dir.path());
         let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(said.contains(verdict) && !said.contains("%0A"), "{said}");
+        let log = String::from_utf8(output.stderr).unwrap();
+        assert!(log.contains(verdict) && !log.contains("%0A"), "{log}");
     }
 }
 
@@ -415,7 +415,7 @@ fn bad_input_numbers_of_scenes() {
             format!("base = \"paper\"\n{line}\n"),
         )
         .unwrap();
-        let said = refusal(&run_in(dir.path(), ["explain", "s.toml"]), line);
-        assert!(said.contains(part), "{line}: {said}");
+        let message = refusal(&run_in(dir.path(), ["explain", "s.toml"]), line);
+        assert!(message.contains(part), "{line}: {message}");
     }
 }

@@ -35,47 +35,47 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
             json(dir.path().join(out).join("run.json"))["results"].clone(),
         )
     };
-    let (shown, found) = figures(&[], "one");
+    let (shown, results) = figures(&[], "one");
     assert!(
         shown.contains('\u{b1}') && shown.contains("estimated from one more run"),
         "{shown}"
     );
-    assert_eq!(found["from_s"], 0.3);
-    let get = |found: &Value, name: &str, key: &str| {
-        let list = found["figures"].as_array().unwrap();
+    assert_eq!(results["from_s"], 0.3);
+    let get = |results: &Value, name: &str, key: &str| {
+        let list = results["figures"].as_array().unwrap();
         let figure = list.iter().find(|f| f["key"] == name).unwrap();
         figure[key].as_f64()
     };
     // The start-up swings from -0.15 to 3.88 N m.
-    let least = get(&found, "min_input_torque_n_m", "value").unwrap();
-    assert!(least > 1.4, "{found}");
+    let least = get(&results, "min_input_torque_n_m", "value").unwrap();
+    assert!(least > 1.4, "{results}");
     let (_, exact) = figures(&["--engine", "native-resolved"], "exact");
     for name in words(
         "mean_input_torque_n_m peak_external_sleeve_force_n \
          peak_internal_sleeve_force_n",
     ) {
-        let off = get(&found, name, "value").unwrap() - get(&exact, name, "value").unwrap();
-        let bound = get(&found, name, "numerical_uncertainty").unwrap();
+        let off = get(&results, name, "value").unwrap() - get(&exact, name, "value").unwrap();
+        let bound = get(&results, name, "numerical_uncertainty").unwrap();
         assert!(
-            off.abs() <= bound && bound < 0.02 * get(&found, name, "value").unwrap(),
-            "{name}: {off} off, {bound} said"
+            off.abs() <= bound && bound < 0.02 * get(&results, name, "value").unwrap(),
+            "{name}: {off} off, {bound} stated"
         );
     }
-    // Above 100 % by the work that the law creates: a reason replaces the figure.
-    let mut list = found["figures"].as_array().unwrap().iter();
+    // The law creates work, so the efficiency exceeds 100 %: a reason replaces the figure.
+    let mut list = results["figures"].as_array().unwrap().iter();
     let share = list.find(|f| f["key"] == "efficiency").unwrap();
     let why = share["withheld"].as_str().unwrap();
     assert!(
         why.contains("creates 0.95 %") && shown.contains("not defined"),
         "{why}"
     );
-    let (shown, found) = figures(&["--unchecked"], "unchecked");
+    let (shown, results) = figures(&["--unchecked"], "unchecked");
     assert!(
         shown.contains("not verified") && !shown.contains('\u{b1}'),
         "{shown}"
     );
     assert_eq!(
-        get(&found, "mean_input_torque_n_m", "numerical_uncertainty"),
+        get(&results, "mean_input_torque_n_m", "numerical_uncertainty"),
         None
     );
 }
@@ -224,7 +224,7 @@ fn program_compare_goes_on_when_engines_diverge() {
         args.iter().chain(&[
             "--set",
             "solver.duration_s=0.05",
-            // Set explicitly, so not refined.
+            // An explicit step is not refined.
             "--set",
             "solver.step_s=1e-5",
         ]),
@@ -281,28 +281,28 @@ fn program_two_designs_side_by_side() {
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         (outcome.stdout, json(dir.path().join("r/summary.json")))
     };
-    let (told, found) = side_by_side("b.toml", &[]);
-    assert_eq!(found["identical"], false);
-    assert_eq!(found["changed"][0]["key"], "gear.backlash_m");
-    assert_eq!(found["changed"].as_array().unwrap().len(), 1);
+    let (shown, summary) = side_by_side("b.toml", &[]);
+    assert_eq!(summary["identical"], false);
+    assert_eq!(summary["changed"][0]["key"], "gear.backlash_m");
+    assert_eq!(summary["changed"].as_array().unwrap().len(), 1);
     assert!(
-        judged(&found, "differ").contains(&"lost_motion_arcmin"),
-        "{found:#}"
+        judged(&summary, "differ").contains(&"lost_motion_arcmin"),
+        "{summary:#}"
     );
     // A disc's pins do not depend on the play of the others.
     assert!(
-        judged(&found, "below-uncertainty").contains(&"internal_force_n"),
-        "{found:#}"
+        judged(&summary, "below-uncertainty").contains(&"internal_force_n"),
+        "{summary:#}"
     );
     assert!(
-        told.contains("gear.backlash_m") && told.contains("figures differ"),
-        "{told}"
+        shown.contains("gear.backlash_m") && shown.contains("figures differ"),
+        "{shown}"
     );
     // Ring pins farther out have contacts at other depths.
-    assert!(told.contains("stage contact search: off by"), "{told}");
-    assert_eq!(found["changed"][0]["stage"], "contact-search");
-    let wide = told.lines().map(|line| line.chars().count()).max();
-    assert!(wide <= Some(80), "{wide:?}: {told}");
+    assert!(shown.contains("stage contact search: off by"), "{shown}");
+    assert_eq!(summary["changed"][0]["stage"], "contact-search");
+    let wide = shown.lines().map(|line| line.chars().count()).max();
+    assert!(wide <= Some(80), "{wide:?}: {shown}");
     for folder in ["design-1", "design-2"] {
         let names = names_in(&dir.path().join("r").join(folder));
         assert!(names.contains(&"courses.csv".to_owned()), "{names:?}");
@@ -311,7 +311,7 @@ fn program_two_designs_side_by_side() {
     let alone = run_in(dir.path(), ["design", "b.toml", "--out", "d"]);
     assert_eq!(alone.code, Some(0), "{alone:?}");
     let alone = json(dir.path().join("d/summary.json"));
-    for (row, figure) in found["figures"]
+    for (row, figure) in summary["figures"]
         .as_array()
         .unwrap()
         .iter()
@@ -321,27 +321,27 @@ fn program_two_designs_side_by_side() {
         assert_eq!(row["values"][1], figure["value"], "{row}");
     }
     // Two equal designs.
-    let (told, found) = side_by_side("a.toml", &[]);
+    let (shown, summary) = side_by_side("a.toml", &[]);
     assert_eq!(
-        (&found["identical"], &found["changed"]),
+        (&summary["identical"], &summary["changed"]),
         (&Value::Bool(true), &Value::from(Vec::<i32>::new()))
     );
     // The efficiency has no value under this law.
-    let all = found["figures"].as_array().unwrap().iter();
+    let all = summary["figures"].as_array().unwrap().iter();
     let known = all.filter(|row| row["values"][0].is_number());
-    assert_eq!(judged(&found, "same").len(), known.count());
-    assert!(told.contains("identical"), "{told}");
+    assert_eq!(judged(&summary, "same").len(), known.count());
+    assert!(shown.contains("identical"), "{shown}");
     // A real change that is too small for any figure.
     design("c.toml", "[contact]\nstiffness_multiplier = 0.0100000001");
-    let (told, found) = side_by_side("c.toml", &["--engines", "native-lagrange"]);
-    assert_eq!(found["engine"], "native-lagrange");
-    assert_eq!(found["identical"], false);
+    let (shown, summary) = side_by_side("c.toml", &["--engines", "native-lagrange"]);
+    assert_eq!(summary["engine"], "native-lagrange");
+    assert_eq!(summary["identical"], false);
     assert!(
-        judged(&found, "differ").is_empty(),
+        judged(&summary, "differ").is_empty(),
         "{:#}",
-        found["figures"]
+        summary["figures"]
     );
-    assert!(told.contains("No difference was shown"), "{told}");
+    assert!(shown.contains("No difference was shown"), "{shown}");
 }
 
 /// Returns the numbers in a text, each with half a unit of its last digit.
@@ -366,8 +366,8 @@ fn check_table(names: &[&str]) {
         assert_eq!(run_in(dir.path(), words(&design)).code, Some(0), "{init}");
         json(dir.path().join("r/summary.json"))["figures"].clone()
     };
-    let mut found = [Value::Null, Value::Null];
-    let mut seen = 0;
+    let mut designs = [Value::Null, Value::Null];
+    let mut count = 0;
     let mut gear = String::new();
     let rows = guide
         .lines()
@@ -380,7 +380,7 @@ fn check_table(names: &[&str]) {
             let line = guide.lines().find(|l| l.starts_with(&line)).unwrap();
             let command = line.trim_start_matches("pinwheel ");
             if names.contains(&gear.as_str()) {
-                found = [" --ideal", ""].map(|more| figures(command, more));
+                designs = [" --ideal", ""].map(|more| figures(command, more));
             }
         }
         if !names.contains(&gear.as_str()) {
@@ -393,8 +393,8 @@ fn check_table(names: &[&str]) {
             "efficiency of slow motion, %" => "efficiency_slow_percent",
             other => panic!("{other}"),
         };
-        for (found, cell) in found.iter().zip(&cells[3..]) {
-            let all = found.as_array().unwrap();
+        for (design, cell) in designs.iter().zip(&cells[3..]) {
+            let all = design.as_array().unwrap();
             let figure = all.iter().find(|figure| figure["key"] == key);
             let value = |part: &str, end: usize| figure.map(|f| f[part][end].as_f64());
             let known = [
@@ -410,11 +410,11 @@ fn check_table(names: &[&str]) {
                     (printed - known).abs() < half,
                     "{gear}, {key}: {cell}, {known}"
                 );
-                seen += 1;
+                count += 1;
             }
         }
     }
-    assert_eq!(seen, 25 * names.len());
+    assert_eq!(count, 25 * names.len());
 }
 
 #[test]
@@ -435,7 +435,7 @@ fn program_design_says_whether_the_gear_bears_its_load() {
     let init =
         "init g.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
     assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
-    for (keys, code, said) in [
+    for (keys, code, answer) in [
         ("", 0, "as far as judged"),
         ("limits.pressure_pa = 9e8", 1, "no: "),
         ("drive.output_torque_n_m = 2e3", 0, "no: "),
@@ -451,7 +451,7 @@ fn program_design_says_whether_the_gear_bears_its_load() {
             .lines()
             .find(|line| line.starts_with("bears its load"));
         assert!(
-            line.is_some_and(|line| line.contains(said)),
+            line.is_some_and(|line| line.contains(answer)),
             "{}",
             outcome.stdout
         );
@@ -464,10 +464,10 @@ fn program_design_says_whether_the_gear_bears_its_load() {
         let limits = &json(dir.path().join("r/summary.json"))["limits"];
         assert_eq!(
             limits["bears_its_load"] == "no",
-            said == "no: ",
+            answer == "no: ",
             "{limits:#}"
         );
-        assert_eq!(limits["margin"].as_f64().unwrap() < 1.0, said == "no: ");
+        assert_eq!(limits["margin"].as_f64().unwrap() < 1.0, answer == "no: ");
     }
     assert!(
         !dir.path().join("r/disc_1.dxf").exists(),
@@ -545,13 +545,13 @@ fn program_own_gears_need_no_settings() {
         let dir = tempfile::tempdir().unwrap();
         let run = done(run_in(dir.path(), ["run", file, "--set", &duration]));
         // The band of contact laws is beside a force, and the numerical error is stated once.
-        let told = run.split_whitespace().collect::<Vec<_>>().join(" ");
+        let shown = run.split_whitespace().collect::<Vec<_>>().join(" ");
         for group in ["external forces", "internal forces"] {
-            let (_, said) = told.split_once(group).unwrap();
-            let (peak, _) = said.split_once("), mean").unwrap();
-            assert!(peak.contains(" by contact law; \u{b1} "), "{gear}: {told}");
+            let (_, after) = shown.split_once(group).unwrap();
+            let (peak, _) = after.split_once("), mean").unwrap();
+            assert!(peak.contains(" by contact law; \u{b1} "), "{gear}: {shown}");
             let causes = peak.matches("numerical").count() + peak.matches("sampling").count();
-            assert_eq!(causes, 1, "{gear}: {told}");
+            assert_eq!(causes, 1, "{gear}: {shown}");
         }
     }
 }
@@ -660,12 +660,12 @@ fn program_lists_engines_and_explains_for_people_and_programs() {
         let part: String = part.split_whitespace().collect();
         assert!(squeezed.contains(&part), "{part} is not in:\n{explained}");
     }
-    let said: Value =
+    let report: Value =
         serde_json::from_str(&done(run_in(dir.path(), ["explain", "paper", "--json"]))).unwrap();
-    assert_eq!(said["derived"]["lobes"], 15);
-    assert_eq!(said["scene"]["name"], "paper");
+    assert_eq!(report["derived"]["lobes"], 15);
+    assert_eq!(report["scene"]["name"], "paper");
     assert!(names_in(dir.path()).is_empty(), "explaining writes nothing");
-    // A reader's questions come before the equations.
+    // Answers to a reader's questions come before the equations.
     let order = [
         "ratio  15 : 1",
         "To be expected",
@@ -816,7 +816,7 @@ fn program_works_from_any_folder() {
     }
 }
 
-/// Without a terminal's width, 80 columns.
+/// Output has at most 80 columns if the width of the terminal is unknown.
 #[test]
 fn program_fits_a_screen() {
     let dir = tempfile::tempdir().unwrap();
@@ -938,12 +938,12 @@ fn a_run_of_few_samples_says_one_thing_of_its_error() {
     let sets = "run paper --set solver.duration_s=0.02 --set solver.sample_s=0.02 --out out";
     let run = run_in(dir.path(), words(sets));
     assert_eq!(run.code, Some(0), "{run:?}");
-    let said = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    let stdout = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("too few samples to tell") && said.contains("solver.sample_s"),
-        "{said}"
+        stdout.contains("too few samples to tell") && stdout.contains("solver.sample_s"),
+        "{stdout}"
     );
-    assert!(!said.contains("made once"), "{said}");
+    assert!(!stdout.contains("made once"), "{stdout}");
 }
 
 /// Pages and terminals write short names, which the program accepts.
@@ -952,8 +952,8 @@ fn program_takes_engines_as_its_pages_call_them() {
     let dir = tempfile::tempdir().unwrap();
     let compare = "compare paper --engines reduced,lagrange --out r --set solver.duration_s=0.005";
     done(run_in(dir.path(), words(compare)));
-    let found = json(dir.path().join("r/summary.json"));
-    let names = found["engines"]
+    let summary = json(dir.path().join("r/summary.json"));
+    let names = summary["engines"]
         .as_array()
         .unwrap()
         .iter()
@@ -984,8 +984,8 @@ fn program_speaks_as_it_is_asked() {
         ),
         ("design paper --statics", "summary.json", "index.html"),
     ] {
-        let told: Value = serde_json::from_str(&of(&format!("{command} --json"))).unwrap();
-        assert_eq!(told, json(dir.path().join("r").join(file)), "{command}");
+        let printed: Value = serde_json::from_str(&of(&format!("{command} --json"))).unwrap();
+        assert_eq!(printed, json(dir.path().join("r").join(file)), "{command}");
         let quiet = of(&format!("{command} -q"));
         assert_eq!(quiet.lines().count(), 1, "{quiet}");
         assert!(quiet.trim().ends_with(place), "{quiet}");
@@ -1006,8 +1006,8 @@ fn program_speaks_as_it_is_asked() {
         assert!(!record.contains("--color"), "{command}");
     }
     for command in ["engines", "laws", "explain paper"] {
-        let told = done(run_in(dir.path(), words(&format!("{command} --json"))));
-        serde_json::from_str::<Value>(&told).unwrap();
+        let printed = done(run_in(dir.path(), words(&format!("{command} --json"))));
+        serde_json::from_str::<Value>(&printed).unwrap();
     }
     let both = run_in(dir.path(), words("compare paper -q -v"));
     assert_eq!(both.code, Some(2), "{both:?}");
@@ -1019,11 +1019,11 @@ fn program_speaks_as_it_is_asked() {
 fn program_from_a_catalogue_to_its_tolerances() {
     let dir = tempfile::tempdir().unwrap();
     let catalogue = "--ratio 11 --pin-circle-diameter-mm 60 --torque-n-m 20 --speed-rpm 500";
-    let told = done(run_in(
+    let hints = done(run_in(
         dir.path(),
         words(&format!("init mine.toml {catalogue}")),
     ));
-    let commands: Vec<&str> = told
+    let commands: Vec<&str> = hints
         .lines()
         .filter_map(|line| line.split_once(" pinwheel "))
         .map(|(_, next)| next)
@@ -1038,10 +1038,10 @@ fn program_from_a_catalogue_to_its_tolerances() {
         json(dir.path().join("scene.schema.json")),
         pinwheel_scene::schema::schema()
     );
-    let found = done(run_in(dir.path(), words("design mine.toml --statics")));
+    let printed = done(run_in(dir.path(), words("design mine.toml --statics")));
     assert!(
-        found.contains("tighten this first") && found.contains("By fit"),
-        "{found}"
+        printed.contains("tighten this first") && printed.contains("By fit"),
+        "{printed}"
     );
     let summary = json(dir.path().join("out/mine-design/summary.json"));
     let lost = &summary["figures"][0];

@@ -195,7 +195,7 @@ fn start(dir: &Path, words: &[&str]) -> Child {
         .stdin(Stdio::null())
         .stdout(Stdio::null());
     command
-        .stderr(fs::File::create(dir.join("said")).unwrap())
+        .stderr(fs::File::create(dir.join("log")).unwrap())
         .spawn()
         .unwrap()
 }
@@ -212,7 +212,7 @@ fn ended(child: &mut Child, seconds: f64) -> ExitStatus {
 }
 
 /// Checks that an output is complete, listed by its marker, with readable JSON.
-fn assert_whole(writer: &Writer, out: &Path) {
+fn assert_complete(writer: &Writer, out: &Path) {
     let what = writer.words;
     let files = content(out);
     assert!(!files.is_empty(), "{what}: an empty output");
@@ -258,14 +258,14 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
     let begin = Instant::now();
     let status = ended(&mut start(dir, &writer.words()), 300.0);
     let lasted = begin.elapsed().as_secs_f64();
-    let said = fs::read_to_string(dir.join("said")).unwrap();
+    let log = fs::read_to_string(dir.join("log")).unwrap();
     assert!(
         status.code().is_some_and(|code| code < 2),
-        "{what}: {status}, {said}"
+        "{what}: {status}, {log}"
     );
-    assert_whole(writer, &out);
+    assert_complete(writer, &out);
     let undisturbed = content(&out);
-    // Half of the kills meet an earlier output, half an empty place.
+    // Half of the kills occur with an earlier output in place, half without.
     let mut met = 0;
     for number in 0..kills {
         let fresh = number % 2 == 1;
@@ -297,33 +297,33 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         assert!(!alive || sent.unwrap().success());
         met += usize::from(alive);
         let status = ended(&mut child, 60.0);
-        let said = fs::read_to_string(dir.join("said")).unwrap();
-        let told = format!("{what}: {signal}, {status}, {said}");
-        assert!(!said.contains("panicked"), "{told}");
+        let log = fs::read_to_string(dir.join("log")).unwrap();
+        let case = format!("{what}: {signal}, {status}, {log}");
+        assert!(!log.contains("panicked"), "{case}");
         let by_signal = signal == "KILL" && status.signal() == Some(9);
         // A signal before the handler is installed ends the program at once.
-        let early = status.signal().is_some() && !said.contains("error");
+        let early = status.signal().is_some() && !log.contains("error");
         assert!(
             by_signal || early || [Some(0), Some(1), Some(130)].contains(&status.code()),
-            "{told}"
+            "{case}"
         );
         // The output is the earlier one or a complete new one.
         let now = content(&out);
         if now != earlier {
-            assert_whole(writer, &out);
+            assert_complete(writer, &out);
         }
         // No run removes earlier drafts, and a program that ends by itself leaves none.
         let now = hidden(dir);
-        assert!(left.iter().all(|draft| now.contains(draft)), "{told}");
+        assert!(left.iter().all(|draft| now.contains(draft)), "{case}");
         assert!(
             now.len() == left.len() || status.signal().is_some(),
-            "{told}: {now:?}"
+            "{case}: {now:?}"
         );
         for name in ["s.toml", "mine.toml"] {
             assert_eq!(
                 fs::read(dir.join(name)).ok(),
                 before.get(Path::new(name)).cloned(),
-                "{told}: an input"
+                "{case}: an input"
             );
         }
     }
@@ -336,20 +336,20 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         words.extend(["--accept", "killed"]);
     }
     let status = ended(&mut start(dir, &words), 300.0);
-    let said = fs::read_to_string(dir.join("said")).unwrap();
+    let log = fs::read_to_string(dir.join("log")).unwrap();
     assert!(
         status.code().is_some_and(|code| code < 2),
-        "{what}: {status}, {said}"
+        "{what}: {status}, {log}"
     );
-    assert_whole(writer, &out);
-    for command in said.split('`').filter(|text| text.starts_with("rm -r ")) {
+    assert_complete(writer, &out);
+    for command in log.split('`').filter(|text| text.starts_with("rm -r ")) {
         let removed = Command::new("sh")
             .current_dir(dir)
             .args(["-c", command])
             .status();
         assert!(removed.unwrap().success(), "{what}: {command}");
     }
-    assert_eq!(hidden(dir), Vec::<PathBuf>::new(), "{what}: {said}");
+    assert_eq!(hidden(dir), Vec::<PathBuf>::new(), "{what}: {log}");
     let now = content(&out);
     for name in writer.same {
         let name = Path::new(name);
@@ -371,11 +371,11 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         .collect();
     assert_eq!(names, known, "{what}");
     let mut left = names_in(dir);
-    // A part of a stopped bench or stability study stays beside it on purpose, like tolerances and schema of a gear.
+    // Partial results of a stopped study, and the tolerances and the schema of a gear, remain beside the output on purpose.
     left.retain(|name| {
         let known = [
             "out",
-            "said",
+            "log",
             "out.partial",
             "gear.tolerances.toml",
             "scene.schema.json",
@@ -456,23 +456,23 @@ fn regress_a_limit_of_file_sizes_is_an_error() {
                 .args(writer.words())
                 .output()
                 .unwrap();
-            let said = String::from_utf8_lossy(&outcome.stderr);
-            let told = format!("{what} within {blocks}: {}, {said}", outcome.status);
+            let log = String::from_utf8_lossy(&outcome.stderr);
+            let case = format!("{what} within {blocks}: {}, {log}", outcome.status);
             match outcome.status.code() {
-                Some(0 | 1) => assert_whole(writer, &dir.join(writer.out)),
+                Some(0 | 1) => assert_complete(writer, &dir.join(writer.out)),
                 Some(2) => {
-                    assert!(said.contains("larger than the system allows"), "{told}");
-                    assert_eq!(said.lines().count(), 1, "{told}");
+                    assert!(log.contains("larger than the system allows"), "{case}");
+                    assert_eq!(log.lines().count(), 1, "{case}");
                     let mut left = names_in(dir);
                     let journal = names_in(&dir.join("out.unfinished"));
                     // Finished runs stay for --resume.
                     if journal.iter().any(|name| name.starts_with("run-")) {
                         left.retain(|name| name != "out.unfinished");
                     }
-                    assert_eq!(left, kept, "{told}");
+                    assert_eq!(left, kept, "{case}");
                     refused += 1;
                 }
-                _ => panic!("{told}"),
+                _ => panic!("{case}"),
             }
         }
     }

@@ -150,7 +150,7 @@ fn explore_saves_what_was_moved_and_nothing_of_anybody_s() {
     let served = on("paper", "contact.damping_n_s_m=9");
     let lines = "base = \"paper\"\ncontact.damping_n_s_m = 9\ngear.backlash_m = 1e-4\n";
     assert_eq!(saved(&served, r#"[["gear.backlash_m","1e-4"]]"#), lines);
-    // Two of them, and 160 states: each has its own file.
+    // Two servers and 160 states: every state is saved in its own file.
     let both = [on("paper", "gear.wheels=2"), on("paper", "gear.wheels=2")];
     std::thread::scope(|scope| {
         for (number, served) in both.iter().enumerate() {
@@ -342,8 +342,8 @@ fn explore_answers_its_own_page_alone() {
         "Cookie: other=\u{e9}; {}; more={others}\r\n",
         &cookie[8..].trim_end()
     );
-    // Any browser of the user gets in by the address, with the same cookie and key; one that is in may follow a link of an
-    // earlier start.
+    // Every browser of the user is admitted by the address, with the same cookie and key. An admitted browser may follow a link
+    // of an earlier start.
     assert_eq!(entered(&served).1, key, "a second browser");
     let old = format!("GET /?token={}", "0".repeat(32));
     assert_eq!(ask(&old, "", "").0, "403", "an old link");
@@ -440,19 +440,19 @@ fn explore_answers_its_own_page_alone() {
     ] {
         assert_eq!(ask("POST /run", &more, "[]").0, status, "{more}");
     }
-    // Without a file of the program's the state is the reader's own.
-    let (_, told) = ask("POST /file", &own, r#"[["gear.backlash_m","1e-5"]]"#);
-    let file = told.contains(r#""name":"gear-explored.toml""#);
-    assert!(file && told.contains("backlash_m = 1e-5"), "{told}");
+    // Without a file on the server, the state is returned for the client to save.
+    let (_, body) = ask("POST /file", &own, r#"[["gear.backlash_m","1e-5"]]"#);
+    let file = body.contains(r#""name":"gear-explored.toml""#);
+    assert!(file && body.contains("backlash_m = 1e-5"), "{body}");
     assert!(!dir.path().join("gear-explored.toml").exists());
-    // A fault is in the words and units of the slider.
-    let (_, told) = ask("POST /run", &own, r#"[["gear.backlash_m","5e-3"]]"#);
-    let said = told.contains("Backlash is 5000 \u{b5}m") && told.contains("backlash = 420 \u{b5}m");
+    // Faults use the words and units of the slider.
+    let (_, body) = ask("POST /run", &own, r#"[["gear.backlash_m","5e-3"]]"#);
+    let both = body.contains("Backlash is 5000 \u{b5}m") && body.contains("backlash = 420 \u{b5}m");
     assert!(
-        said && !told.contains("--set") && !told.contains("0.005 m"),
-        "{told}"
+        both && !body.contains("--set") && !body.contains("0.005 m"),
+        "{body}"
     );
-    // Only what sliders move can be set.
+    // Only keys with a slider can be set.
     let (_, saved) = ask(
         "POST /save",
         &own,

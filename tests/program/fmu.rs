@@ -26,11 +26,11 @@ fn a_unit_is_where_the_program_says() {
         bytes("deep/two.fmu"),
         "the time stands in it"
     );
-    let told = run_in(dir, ["fmu", "paper", "--json"]);
+    let outcome = run_in(dir, ["fmu", "paper", "--json"]);
     assert!(
-        told.stdout.contains("\"file\": \"out/paper.fmu\""),
+        outcome.stdout.contains("\"file\": \"out/paper.fmu\""),
         "{}",
-        told.stdout
+        outcome.stdout
     );
     assert!(dir.join("out/paper.fmu").is_file());
 }

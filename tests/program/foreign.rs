@@ -14,7 +14,7 @@ const COMPARE: [&str; 9] = [
     "native-reduced",
     "--set",
     "solver.duration_s=0.02",
-    // Stated, so that comparison and run use equal values.
+    // Stated explicitly, so that comparison and run use equal steps.
     "--set",
     "solver.step_s=1e-5",
     "--force",
@@ -154,9 +154,9 @@ fn a_shift_in_time_is_found_told_and_offered() {
         (outcome.stdout, summary(dir.path()))
     };
     let (shown, aligned) = with("\"align\"");
-    let said = notes(&aligned);
-    assert!(said.contains("s were added to its times"), "{said}");
-    let seconds: f64 = said
+    let note = notes(&aligned);
+    assert!(note.contains("s were added to its times"), "{note}");
+    let seconds: f64 = note
         .split(" s were added")
         .next()
         .unwrap()
@@ -165,7 +165,7 @@ fn a_shift_in_time_is_found_told_and_offered() {
         .unwrap()
         .parse()
         .unwrap();
-    assert!((seconds - 0.5).abs() < 1e-5, "{said}");
+    assert!((seconds - 0.5).abs() < 1e-5, "{note}");
     // A parabola through three samples locates the peak of an even correlation to a hundredth of a sample.
     let off = difference(&aligned, "input_torque_n_m").unwrap();
     assert!(off < 0.02, "{off:e}");
@@ -177,10 +177,10 @@ fn a_shift_in_time_is_found_told_and_offered() {
         "{shown}"
     );
     let (_, apart) = with("0.503");
-    let said = notes(&apart);
+    let note = notes(&apart);
     assert!(
-        said.contains("offset_s = 0.500") && said.contains("\"align\""),
-        "{said}"
+        note.contains("offset_s = 0.500") && note.contains("\"align\""),
+        "{note}"
     );
     assert!(difference(&apart, "input_torque_n_m").unwrap() > 0.1);
     let (_, right) = with("0.5");
@@ -205,7 +205,7 @@ fn other_sample_times_are_interpolated_and_told() {
         notes.contains("101 of 201 sample times are its own"),
         "{notes}"
     );
-    let told: f64 = notes
+    let stated: f64 = notes
         .split("restores them to ")
         .nth(1)
         .unwrap()
@@ -215,7 +215,7 @@ fn other_sample_times_are_interpolated_and_told() {
         .parse()
         .unwrap();
     let made = difference(&summary, "external_sleeve_force_n").unwrap();
-    assert!(made > 1e-6 && made < told, "{made:e} {told:e}");
+    assert!(made > 1e-6 && made < stated, "{made:e} {stated:e}");
 }
 
 /// A file that covers a part, lacks columns, and has a stated limit.
@@ -340,7 +340,7 @@ fn bad_input_is_named() {
         }
         assert!(!dir.path().join("out").exists());
     }
-    // Omitted on request, and named in the report.
+    // Bad rows are omitted on request, and named in the report.
     std::fs::write(dir.path().join("rig.csv"), rows).unwrap();
     std::fs::write(
         dir.path().join("rig.toml"),
@@ -373,8 +373,8 @@ fn stated_uncertainties_give_validation_verdicts() {
     let torque = |text: String| {
         std::fs::write(dir.path().join("rig.toml"), text).unwrap();
         let outcome = compare(dir.path());
-        let found = summary(dir.path());
-        let entries = found["pairs"][0]["entries"].as_array().unwrap().clone();
+        let summary = summary(dir.path());
+        let entries = summary["pairs"][0]["entries"].as_array().unwrap().clone();
         let entry = entries
             .into_iter()
             .find(|e| e["quantity"] == "input_torque_n_m");
@@ -389,7 +389,7 @@ fn stated_uncertainties_give_validation_verdicts() {
         "{budget}"
     );
     assert!(budget["numerical"].as_f64().unwrap() > 0.0, "{budget}");
-    // Off by 10 %: far beyond it.
+    // An error of 10 % is far beyond the uncertainty.
     let off = map("uncertainty = { absolute = 1e-3 }").replace("factor = -1.0", "factor = -1.1");
     let (outcome, entry) = torque(off);
     assert_eq!(entry["verdict"], "differ", "{entry}");
@@ -424,8 +424,8 @@ fn uncertain_inputs_are_part_of_the_budget() {
                 .chain(sets.iter().copied()),
         );
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
-        let found = summary(dir.path());
-        let entries = found["pairs"][0]["entries"].as_array().unwrap().clone();
+        let summary = summary(dir.path());
+        let entries = summary["pairs"][0]["entries"].as_array().unwrap().clone();
         let entry = entries
             .into_iter()
             .find(|e| e["quantity"] == "input_torque_n_m");
@@ -448,7 +448,7 @@ fn uncertain_inputs_are_part_of_the_budget() {
     let double = ["--set", "uncertain.drive.output_torque_n_m.plus_minus=0.22"];
     let twice = budget(&double).1["input"].as_f64().unwrap();
     assert!((twice / input - 2.0).abs() < 0.2, "{input} {twice}");
-    // From nine keys on all are changed at once: the others hardly matter here.
+    // From nine uncertain keys on, all are varied at once; the additional keys have little effect here.
     let many: Vec<String> = [
         ("drive.output_torque_n_m", "0.11"),
         ("mass.wheel.mass_kg", "1e-9"),

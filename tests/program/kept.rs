@@ -41,14 +41,14 @@ fn program_compare_keeps_runs_and_says_so() {
 
     let second = compare(dir.path(), "");
     assert_eq!((second.code, &*second.stderr), (Some(0), ""));
-    let told = second
+    let stdout = second
         .stdout
         .split_whitespace()
         .collect::<Vec<_>>()
         .join(" ");
     assert!(
-        told.contains("kept rapier (1 engines): not run now but kept, of 20"),
-        "{told}"
+        stdout.contains("kept rapier (1 engines): not run now but kept, of 20"),
+        "{stdout}"
     );
     assert_eq!(rapier("courses.csv"), series);
     let now = String::from_utf8(rapier("run.json")).unwrap();
@@ -68,8 +68,8 @@ fn program_compare_keeps_runs_and_says_so() {
     }
     let anew = compare(dir.path(), "");
     assert_eq!(anew.code, Some(0), "{anew:?}");
-    let said = "note: a kept run of rapier-shared-law was damaged or not ours; it is made anew\n";
-    assert_eq!(anew.stderr, said);
+    let note = "note: a kept run of rapier-shared-law was damaged or not ours; it is made anew\n";
+    assert_eq!(anew.stderr, note);
     assert_eq!(rapier("courses.csv"), series);
 }
 
@@ -106,10 +106,10 @@ fn program_compare_stopped_keeps_what_is_done() {
     );
     let outcome = Outcome::from(child.wait_with_output().unwrap());
     assert_eq!(outcome.code, Some(130), "{outcome:?}");
-    let said = format!(
+    let message = format!(
         "error: stopped; {} runs are kept: the same command goes on with them\n",
         kept().count()
     );
-    assert_eq!(outcome.stderr, said);
+    assert_eq!(outcome.stderr, message);
     assert!(!dir.path().join("out").exists());
 }

@@ -1,5 +1,5 @@
-//! Every remedy of the program, followed to the letter. `tests/data/remedies` lists for each a command that fails, the remedy as it
-//! is printed, and the commands that obey it; a remedy of the sources that no case prints is a fault of the list.
+//! Follows every remedy of the program to the letter. `tests/data/remedies` lists for each a failing command, the printed remedy
+//! and the commands that obey it. A remedy in the sources without a case is a fault of the list.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::path::Path;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_tests::{pinwheel, repository};
 
-/// Values that were read from what the program printed, by their names.
+/// Values read from the program's output, by the names in the pattern.
 type Read = BTreeMap<String, String>;
 
 fn list(name: &str) -> String {
@@ -15,7 +15,7 @@ fn list(name: &str) -> String {
     std::fs::read_to_string(place).unwrap()
 }
 
-/// Text and names of a pattern, `give at most {a} m`, one after the other, the text first.
+/// Splits a pattern such as `give at most {a} m` into texts and names in turn, beginning with a text.
 fn pieces(pattern: &str) -> Vec<&str> {
     let mut pieces = Vec::new();
     let mut rest = pattern;
@@ -34,13 +34,13 @@ fn pieces(pattern: &str) -> Vec<&str> {
     pieces
 }
 
-/// True if the pattern stands in `said`; the values at its names are read.
-fn stands(pattern: &str, said: &str, read: &mut Read) -> bool {
+/// Returns true if the pattern occurs in `output`, and stores the values of its names in `read`.
+fn stands(pattern: &str, output: &str, read: &mut Read) -> bool {
     let pieces = pieces(pattern);
-    let Some(at) = said.find(pieces[0]) else {
+    let Some(at) = output.find(pieces[0]) else {
         return false;
     };
-    let mut rest = &said[at + pieces[0].len()..];
+    let mut rest = &output[at + pieces[0].len()..];
     for pair in pieces[1..].chunks(2) {
         let end = match pair[1] {
             "" => rest.find(' ').or(Some(rest.len())),
@@ -59,7 +59,7 @@ fn stands(pattern: &str, said: &str, read: &mut Read) -> bool {
     true
 }
 
-/// Puts values where their names stand; names without a value stay.
+/// Replaces names in braces by their values; names without a value stay.
 fn filled(text: &str, read: &Read) -> String {
     let put = |text: String, (name, value): (&String, &String)| {
         text.replace(&format!("{{{name}}}"), value)
@@ -67,7 +67,7 @@ fn filled(text: &str, read: &Read) -> String {
     read.iter().fold(text.to_owned(), put)
 }
 
-/// Words of a command, in single quotes where they hold blanks.
+/// Splits a command into words; words with blanks are in single quotes.
 fn typed(command: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut quoted = false;
@@ -82,7 +82,7 @@ fn typed(command: &str) -> Vec<String> {
     words
 }
 
-/// Status and words of a command; `scene FILE --set ...` reads a scene within this process.
+/// Runs a command; returns status and output on one line. `scene FILE --set ...` reads a scene within this process.
 fn ran(dir: &Path, command: &str) -> (i32, String) {
     let words = typed(command);
     if words.first().is_some_and(|word| word == "scene") {
@@ -92,23 +92,23 @@ fn ran(dir: &Path, command: &str) -> (i32, String) {
         let is_path = words[1].contains(['.', '/']);
         let spec = is_path.then(|| file.to_str().unwrap());
         let scene = sets.and_then(|sets| Scene::load(spec.unwrap_or(&words[1]), &sets));
-        let said = scene.err().map(|fault| fault.to_string());
+        let message = scene.err().map(|fault| fault.to_string());
         let here = format!("{}/", dir.display());
         return (
-            said.as_ref().map_or(0, |_| 2),
-            said.unwrap_or_default().replace(&here, ""),
+            message.as_ref().map_or(0, |_| 2),
+            message.unwrap_or_default().replace(&here, ""),
         );
     }
     let mut program = pinwheel();
     let output = program.args(words).current_dir(dir).output().unwrap();
-    let said =
+    let printed =
         [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-    let said = said.join(" ");
-    let said: Vec<&str> = said.split_whitespace().collect();
-    (output.status.code().unwrap_or(-1), said.join(" "))
+    let printed = printed.join(" ");
+    let printed: Vec<&str> = printed.split_whitespace().collect();
+    (output.status.code().unwrap_or(-1), printed.join(" "))
 }
 
-/// Follows the cases of a list; returns what is wrong, with its line.
+/// Follows the cases of a list; returns its faults, each with its line.
 fn follow(name: &str) -> Vec<String> {
     let text = list(name);
     let (mut common, mut wrong) = (Vec::new(), Vec::new());
@@ -120,7 +120,7 @@ fn follow(name: &str) -> Vec<String> {
             continue;
         }
         let dir = tempfile::tempdir().unwrap();
-        let (mut read, mut said) = (Read::new(), String::new());
+        let (mut read, mut output) = (Read::new(), String::new());
         let mut lines = common.iter().chain(case).peekable();
         while let Some((number, line)) = lines.next() {
             let fault = |what: &str| format!("{name}:{}: {what}: {line}", number + 1);
@@ -137,15 +137,15 @@ fn follow(name: &str) -> Vec<String> {
                     let (allowed, command) = rest.split_once(' ').unwrap();
                     let command = filled(command, &read);
                     let status;
-                    (status, said) = ran(dir.path(), &command);
+                    (status, output) = ran(dir.path(), &command);
                     let fails = lines.peek().is_some_and(|(_, next)| next.starts_with('!'));
                     let allowed = if allowed.is_empty() { "0" } else { allowed };
                     if !fails && allowed.split(',').all(|code| code != status.to_string()) {
-                        wrong.push(fault(&format!("status {status}, {said}")));
+                        wrong.push(fault(&format!("status {status}, {output}")));
                     }
                 }
-                "!" if !stands(rest.trim(), &said, &mut read) => {
-                    wrong.push(fault(&format!("not in {said}")));
+                "!" if !stands(rest.trim(), &output, &mut read) => {
+                    wrong.push(fault(&format!("not in {output}")));
                 }
                 _ => {}
             }
@@ -174,7 +174,7 @@ lists!(
     bad_input_remedies_of_commands "program.txt"
 );
 
-/// Examples in the help of the quick commands, as they stand there: each runs.
+/// Runs every example in the help of the quick commands as printed.
 #[test]
 fn program_examples_run() {
     let dir = tempfile::tempdir().unwrap();
@@ -209,19 +209,19 @@ fn program_examples_run() {
                 .next()
                 .unwrap();
             let words = words.split("  #").next().unwrap();
-            let (status, said) = ran(dir.path(), words);
-            assert_eq!(status, 0, "{words}: {said}");
+            let (status, output) = ran(dir.path(), words);
+            assert_eq!(status, 0, "{words}: {output}");
             count += 1;
         }
     }
     assert!(count > 11, "{count}");
 }
 
-/// First words of a remedy.
+/// Words with which a remedy may begin.
 const VERBS: &str = "give use make write leave choose name did try see install build put take set add keep let list state look say \
                      open go begin map remove raise lower shorten check describe record call pip";
 
-/// Texts in quotes of Rust code, but for those of its tests.
+/// Returns the string literals of Rust code, without those of its in-file tests.
 fn texts(code: &str) -> Vec<String> {
     let code = code.split("#[cfg(test)]\nmod ").next().unwrap();
     let lines = code.lines().filter(|line| !line.trim().starts_with("//"));
@@ -245,7 +245,7 @@ fn texts(code: &str) -> Vec<String> {
     texts
 }
 
-/// A text of `format!` with `{x}` for whatever is put in.
+/// Replaces every argument in a text of `format!` by `{x}`.
 fn plain(text: &str) -> String {
     let text = text.replace("{{", "\0").replace("}}", "\u{1}");
     let mut parts = text.split('{');
@@ -259,7 +259,7 @@ fn plain(text: &str) -> String {
     plain.replace('\0', "{").replace('\u{1}', "}")
 }
 
-/// Remedy at the end of a text: from its last part that begins with a verb of remedies on.
+/// Returns the end of a text from its first part, by semicolons, that begins with one of `VERBS`.
 fn remedy(text: &str) -> Option<&str> {
     let begins = |part: &str| {
         let first = part.split([' ', ':', ',']).next().unwrap_or_default();
@@ -272,7 +272,7 @@ fn remedy(text: &str) -> Option<&str> {
     Some(&text[at..])
 }
 
-/// True if all text of a pattern stands in another pattern, in its order.
+/// True if another pattern contains all texts of a pattern, in order.
 fn within(pattern: &str, other: &str) -> bool {
     let pieces = pieces(pattern);
     let mut texts = pieces.iter().step_by(2).map(|text| text.trim());
@@ -286,7 +286,7 @@ fn within(pattern: &str, other: &str) -> bool {
     })
 }
 
-/// Each remedy of the sources is one that a case reads, or stands in `elsewhere.txt` with who tests it or why nobody can.
+/// Checks that every remedy in the sources has a case, or an entry in `elsewhere.txt` with its test or the reason for none.
 #[test]
 fn every_remedy_of_the_sources_is_in_a_list() {
     fn files(folder: &Path, all: &mut Vec<std::path::PathBuf>) {

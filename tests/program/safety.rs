@@ -196,7 +196,7 @@ fn regress_file_names_make_no_output_ours() {
         "another tool's"
     );
 
-    // Output of the program with the data of a comparison in it: not replaced, with or without --force.
+    // An output that contains the data of a comparison is not replaced, with or without --force.
     let ours = ["run", "paper", "--out", "ours"];
     assert_eq!(run_in(dir.path(), ours.iter().chain(&SHORT)).code, Some(0));
     fs::write(
@@ -218,7 +218,7 @@ fn regress_file_names_make_no_output_ours() {
         assert_refused(&outcome, "ours/courses.csv");
     }
     assert!(dir.path().join("ours/courses.csv").is_file());
-    // An output with an additional file: named.
+    // An additional file in an output stops the program, which names it.
     fs::write(dir.path().join("ours/notes.txt"), "precious").unwrap();
     let words = ["run", "paper", "--out", "ours"];
     assert_refused(
@@ -268,7 +268,7 @@ fn regress_reserved_names_are_refused_before_the_run() {
         run_in(dir.path(), words)
     };
     assert_refused(&against("d.csv"), "`name`");
-    // Equal by the file's own name, if the map gives none.
+    // Without a name in the map, the data set has that of its file, which clashes too.
     fs::write(dir.path().join("map.toml"), &map[map.find('[').unwrap()..]).unwrap();
     fs::rename(
         dir.path().join("d.csv"),
@@ -288,7 +288,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
         names.retain(|name| name.starts_with(".pinwheel-"));
         names
     };
-    // A finished output, a link, or a pipe of such a name is no leftover.
+    // Finished outputs, links and pipes with the name of a draft are not reported as leftovers.
     let victim = dir.path().join("victim");
     for out in ["victim/results", ".pinwheel-mine"] {
         let words = ["run", "paper", "--out", out];
@@ -307,7 +307,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
     child.wait().unwrap();
     let left = hidden();
     let new = left.iter().find(|name| !others.contains(name)).unwrap();
-    // The draft of a running program is no leftover.
+    // The draft of a running program is not reported as a leftover.
     let alive = start(dir.path(), &[&LONG[..], &["p"]].concat());
     until(|| hidden().len() == 5);
     let remedy = format!("note: a command that was killed left what `rm -r {new}` removes\n");
@@ -616,7 +616,7 @@ fn regress_control_characters_never_reach_the_terminal() {
         &["\u{1b}[2J"],
     ] {
         let mut command = pinwheel();
-        // As on a terminal: elsewhere colours, and with them such sequences, are omitted anyway.
+        // Forces colours as on a terminal; elsewhere all escape sequences are omitted.
         command.env("CLICOLOR_FORCE", "1").current_dir(dir.path());
         let outcome = Outcome::from(command.args(words).stdin(Stdio::null()).output().unwrap());
         assert_eq!(outcome.code, Some(2));
@@ -748,10 +748,10 @@ fn regress_planning_can_be_stopped() {
 fn regress_a_full_disk_is_called_so() {
     let full = fs::File::options().write(true).open("/dev/full").unwrap();
     let output = pinwheel().arg("laws").stdout(full).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(
-        output.status.code() == Some(2) && said.contains("disk is full"),
-        "{said}"
+        output.status.code() == Some(2) && stderr.contains("disk is full"),
+        "{stderr}"
     );
 }
 
@@ -766,7 +766,7 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
     let first = times();
     assert_eq!(run_in(dir.path(), words).code, Some(0));
     assert_eq!(times(), first, "the same program goes on");
-    // As left by another build: runs are identified by the sources of their program.
+    // Records of another build: runs are identified by the sources of their program.
     for entry in fs::read_dir(dir.path().join("o/runs")).unwrap() {
         let path = entry.unwrap().path();
         let text = fs::read_to_string(&path).unwrap();

@@ -18,15 +18,15 @@ fn path() -> std::ffi::OsString {
 }
 
 fn is_here(program: &str) -> bool {
-    let found = Command::new(program).arg("--version").output();
-    let found = found.is_ok_and(|output| output.status.success());
-    if !found {
+    let available = Command::new(program).arg("--version").output();
+    let available = available.is_ok_and(|output| output.status.success());
+    if !available {
         println!("skipped: no {program} here");
     }
-    found
+    available
 }
 
-/// Builds by the line in the manifest.
+/// Builds a solver by the command in its manifest.
 fn build(folder: &Path) {
     let text = std::fs::read_to_string(folder.join("solver.toml")).expect("manifest");
     let stated = text
@@ -75,7 +75,7 @@ fn conforms(language: &str, compiler: &str) {
     assert!(checked.stdout.contains("trials passed"), "{checked:?}");
     let page = std::fs::read_to_string(folder.path().join("out/mine-check/index.html"));
     assert!(page.expect("a page").contains("broken job"));
-    // The line on the solver comes first, on the terminal and in the file for CI.
+    // The verdict on the solver comes first, on the terminal and in the JUnit file.
     let agrees = checked.stdout.lines().next().unwrap_or_default();
     assert!(agrees.starts_with("mine: agrees: to "), "{checked:?}");
     let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
@@ -220,10 +220,10 @@ fn check_names(fault: &str, trial: &str, quantity: &str, stage: &str) {
     let failed = summary["findings"].as_array().into_iter().flatten();
     let mut failed = failed.filter(|finding| finding["state"] == "failed");
     let named = failed.any(|finding| {
-        let seen = finding["seen"].as_str().unwrap_or_default();
-        let whole = format!("{}: {seen}", finding["name"].as_str().unwrap_or_default());
-        let dated = seen.contains(" off at t = ") || !quantity.starts_with("sleeve");
-        whole.contains(trial) && seen.contains(quantity) && dated
+        let facts = finding["seen"].as_str().unwrap_or_default();
+        let line = format!("{}: {facts}", finding["name"].as_str().unwrap_or_default());
+        let dated = facts.contains(" off at t = ") || !quantity.starts_with("sleeve");
+        line.contains(trial) && facts.contains(quantity) && dated
     });
     assert!(named, "{summary}");
     let junit = std::fs::read_to_string(folder.path().join("j.xml")).expect("junit");
@@ -292,12 +292,12 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         "{}",
         more.stdout
     );
-    // One that runs away on a scene is recorded on the others.
+    // A solver that diverges on one scene is recorded on the others.
     commit(folder.path(), "away");
     let away = ran("baseline record other --only paper,one-wheel");
-    let said = "not recorded by faulty: one-wheel: diverged at t =";
+    let note = "not recorded by faulty: one-wheel: diverged at t =";
     assert!(
-        away.code == Some(4) && away.stdout.contains(said),
+        away.code == Some(4) && away.stdout.contains(note),
         "{}{}",
         away.stdout,
         away.stderr
@@ -322,12 +322,12 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
     commit(folder.path(), "curvature");
     let moved = ran("baseline check mine --junit k.xml --only paper");
     let named = "stage law, likely curvature: curvature of the other sign in pits";
-    let said = moved.stdout.replace('\n', " ");
-    assert!(moved.code == Some(1) && said.contains(named), "{said}");
+    let stdout = moved.stdout.replace('\n', " ");
+    assert!(moved.code == Some(1) && stdout.contains(named), "{stdout}");
     let junit = std::fs::read_to_string(folder.path().join("k.xml")).expect("junit");
     assert!(junit.contains(named), "{junit}");
     commit(folder.path(), "none");
-    // No statement on a scene that is not recorded, nor on a refused one.
+    // Scenes without a record, and refused scenes, get no verdict.
     for only in ["eleven-pins", "flores"] {
         let nothing = ran(&format!("baseline check mine --junit j.xml --only {only}"));
         assert_eq!(
@@ -494,7 +494,7 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
     let line = "cc -O2 -o solver midpoint.c -L\"$(pinwheel solver library)\" -lpinwheel_law -lm";
     let damped = "for (b = 0; b < count; b++) state[b][3] *= 0.9, state[b][4] *= 0.9, state[b][5] *= 0.9;\n    \
                   if (pinwheel_law_loads(gear";
-    for (what, from, to, seen, shared_error) in [
+    for (what, from, to, expected, shared_error) in [
         // Cheaper, with a larger error: no trade.
         (
             "the midpoint rule is no longer solved",
@@ -528,25 +528,25 @@ fn regress_a_baseline_sees_a_change_of_the_solver() {
         assert!(built.expect("a shell").success(), "{what}");
         let junit = ["--junit", "junit.xml"];
         let worse = ran(&[&["baseline", "check", "mine"][..], &junit].concat());
-        let said = format!("{what}\n{}{}", worse.stdout, worse.stderr);
+        let log = format!("{what}\n{}{}", worse.stdout, worse.stderr);
         // Half the step at least halves the error, which is worth its steps.
-        let traded = seen.is_empty();
-        assert_eq!(worse.code, Some(if traded { 0 } else { 1 }), "{said}");
+        let traded = expected.is_empty();
+        assert_eq!(worse.code, Some(if traded { 0 } else { 1 }), "{log}");
         let verdict = if traded { "traded" } else { "worse" };
         let start = format!("held-out-midpoint: 1 {verdict}: eleven-pins");
-        assert!(worse.stdout.starts_with(&start), "{said}");
+        assert!(worse.stdout.starts_with(&start), "{log}");
         if traded {
             continue;
         }
         let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
-        // The first is the solver's, the second the case's.
+        // The first failure is the solver's, the second the case's.
         let failure = junit
             .lines()
             .filter(|line| line.contains("<failure"))
             .nth(1);
         let failure = failure.unwrap_or_default();
         assert!(
-            failure.contains(seen) && !failure.contains(shared_error),
+            failure.contains(expected) && !failure.contains(shared_error),
             "{what}\n{junit}"
         );
     }
@@ -573,7 +573,7 @@ fn bad_input_of_solvers_is_one_line() {
     at("bad.toml", &manifest.replace("{job}", "{jobs}"));
     std::fs::create_dir(folder.path().join("taken")).expect("made");
     std::fs::write(folder.path().join("taken/notes.txt"), "precious").expect("written");
-    for (words, code, said) in [
+    for (words, code, message) in [
         (
             &["run", "paper", "--solver", "none.toml"][..],
             2,
@@ -608,7 +608,7 @@ fn bad_input_of_solvers_is_one_line() {
             2,
             "leave one out, or type `pinwheel compare SCENE --engines rapier-colliders --solver one.toml`",
         ),
-        // Named twice it is meant once.
+        // An engine named twice runs once.
         (
             &["run", "paper", "--engine", "c-rk4", "--solver", "one.toml"],
             3,
@@ -643,7 +643,7 @@ fn bad_input_of_solvers_is_one_line() {
     ] {
         let ended = run_in(folder.path(), words);
         assert_eq!(ended.code, Some(code), "{words:?} {}", ended.stderr);
-        assert!(ended.stderr.contains(said), "{words:?} {}", ended.stderr);
+        assert!(ended.stderr.contains(message), "{words:?} {}", ended.stderr);
         assert_eq!(
             ended.stderr.trim().lines().count(),
             1,

@@ -47,9 +47,9 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
         ["index.html", "stability.csv", "summary.json"]
     );
 
-    let whole = summary(dir.path());
-    assert_eq!(whole["finished"], true);
-    let rows = whole["atlas"]["rows"].as_array().unwrap();
+    let first = summary(dir.path());
+    assert_eq!(first["finished"], true);
+    let rows = first["atlas"]["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2);
     // Heun at 1e-5 s: right on the soft gear, diverged on the stiff one.
     assert!(rows[0]["cells"][0]["failure"].is_null());
@@ -65,8 +65,8 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     }
     assert!(!page.contains("src=\"http"), "nothing from elsewhere");
 
-    // As after a stop with one scene open: the others stay unchanged.
-    let mut stopped = whole.clone();
+    // State after a stop with one scene missing: the other scenes are not repeated.
+    let mut stopped = first.clone();
     stopped["atlas"]["rows"][1] = Value::Null;
     stopped["atlas"]["rows"][0]["why"] = "kept".into();
     std::fs::write(out.join("summary.json"), stopped.to_string()).unwrap();
@@ -78,11 +78,11 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     assert_eq!(again["atlas"]["rows"][0]["why"], "kept");
     assert_eq!(
         again["atlas"]["rows"][1]["scene"],
-        whole["atlas"]["rows"][1]["scene"]
+        first["atlas"]["rows"][1]["scene"]
     );
     assert_eq!(again["finished"], true);
 
-    // Another plan is another study.
+    // An output of another plan is not continued.
     let other = run_in(
         dir.path(),
         ["stability", "soft.toml", "--quick", "--resume"],

@@ -1,12 +1,12 @@
-//! The stage of a solver that differs, on the first screen and on the page of a comparison.
+//! Names of the stage in which a solver differs, on the first screen and on the page of a comparison.
 #![cfg(unix)]
 
 use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver with a fault in each stage, whose page draws that stage, and one that is right; contacts of an engine's own are never
-/// accused.
+/// Compares solvers with one fault each: the first screen names the stage, and the page draws it. A correct solver and an engine
+/// with its own contacts are not accused.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };
@@ -31,19 +31,19 @@ fn crossval_a_comparison_names_the_stage() {
     ] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));
-        let said = format!("{fault}: {}{}", ran.stdout, ran.stderr);
+        let log = format!("{fault}: {}{}", ran.stdout, ran.stderr);
         let lines: Vec<&str> = ran.stdout.lines().take(12).collect();
         let mut stages = lines.iter().filter(|line| line.starts_with("stage"));
         let stage = stages.next();
-        assert_eq!(stage.is_some(), !named.is_empty(), "{said}");
-        assert!(stage.is_none_or(|line| line.contains(named)), "{said}");
+        assert_eq!(stage.is_some(), !named.is_empty(), "{log}");
+        assert!(stage.is_none_or(|line| line.contains(named)), "{log}");
         let page = std::fs::read_to_string(folder.path().join("out/index.html")).expect("a page");
-        assert!(page.contains(drawn), "{said}");
-        assert_eq!(page.contains("off above"), !named.is_empty(), "{said}");
+        assert!(page.contains(drawn), "{log}");
+        assert_eq!(page.contains("off above"), !named.is_empty(), "{log}");
     }
 }
 
-/// A record of another gear without states, and one of this gear.
+/// Compares with records without states: one of this gear, and one with twice its load.
 #[test]
 fn crossval_a_record_names_the_stage() {
     let folder = tempfile::tempdir().expect("folder");
@@ -65,14 +65,14 @@ fn crossval_a_record_names_the_stage() {
         ran(&format!(
             "run paper --set solver.duration_s=0.01 --set {set} --out rig --force"
         ));
-        let (said, wrong) = ran(
+        let (stdout, wrong) = ran(
             "compare paper --set solver.duration_s=0.01 --engines native-resolved --against rig/courses.csv --map map.toml",
         );
         assert_eq!(
-            said.contains("likely"),
+            stdout.contains("likely"),
             named.is_some(),
-            "{set}: {said}{wrong}"
+            "{set}: {stdout}{wrong}"
         );
-        assert!(named.is_none_or(|named| said.contains(named)), "{said}");
+        assert!(named.is_none_or(|named| stdout.contains(named)), "{stdout}");
     }
 }

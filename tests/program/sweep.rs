@@ -167,10 +167,10 @@ fn a_killed_sweep_goes_on() {
         assert!(costs.contains(&stamp.to_string()), "{stamp} {costs}");
     }
     assert!(!journal.exists());
-    let whole = run_in(dir.path(), ["sweep", "long.toml", "--out", "whole"]);
-    assert_eq!(whole.code, Some(0));
+    let full = run_in(dir.path(), ["sweep", "long.toml", "--out", "full"]);
+    assert_eq!(full.code, Some(0));
     let results = |name: &str| read(&dir.path().join(name).join("results.csv"));
-    assert_eq!(results("long"), results("whole"));
+    assert_eq!(results("long"), results("full"));
 }
 
 /// Time series that were cut, emptied, altered or exchanged, and records with a changed digit are invalid: the run is
@@ -183,7 +183,7 @@ fn damaged_runs_are_made_again() {
         let sweep = SWEEP.replace("[set]", &format!("courses = \"{format}\"\n[set]"));
         std::fs::write(dir.path().join("s.toml"), sweep).unwrap();
         let run = |more: &[&str]| run_in(dir.path(), ["sweep", "s.toml"].iter().chain(more));
-        assert_eq!(run(&["--out", "whole"]).code, Some(0));
+        assert_eq!(run(&["--out", "full"]).code, Some(0));
         let file = |out: &str, number: usize| {
             let name = format!("{out}/runs/run-000{number}.{format}");
             dir.path().join(name)
@@ -201,7 +201,7 @@ fn damaged_runs_are_made_again() {
             put(3, &altered);
             put(4, &original(5));
             std::fs::remove_file(path(6)).unwrap();
-            // A digit of the largest force in its record.
+            // Changes a digit of the largest force in the record of run 7.
             let record = path(7).with_extension("json");
             let text = read(&record);
             let (before, digits) = text.split_once("\"peak\": ").unwrap();
@@ -209,24 +209,21 @@ fn damaged_runs_are_made_again() {
             let changed = format!("{before}\"peak\": {first}{}", &digits[1..]);
             std::fs::write(record, changed).unwrap();
         };
-        // Of a finished output.
-        let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("whole", number)).collect();
-        let results = read(&dir.path().join("whole/results.csv"));
-        damage(&|number| file("whole", number));
-        let kept = run(&["--out", "whole", "--resume"]);
+        // Damage to a finished output.
+        let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("full", number)).collect();
+        let results = read(&dir.path().join("full/results.csv"));
+        damage(&|number| file("full", number));
+        let kept = run(&["--out", "full", "--resume"]);
         assert!(
             kept.code == Some(2) && kept.stderr.contains("--force"),
             "{kept:?}"
         );
-        assert_eq!(
-            run(&["--out", "whole", "--resume", "--force"]).code,
-            Some(0)
-        );
+        assert_eq!(run(&["--out", "full", "--resume", "--force"]).code, Some(0));
         for (number, sound) in (1..=8).zip(&sound) {
-            assert!(content("whole", number) == *sound, "{format} {number}");
+            assert!(content("full", number) == *sound, "{format} {number}");
         }
-        assert_eq!(read(&dir.path().join("whole/results.csv")), results);
-        std::fs::remove_dir_all(dir.path().join("whole")).unwrap();
+        assert_eq!(read(&dir.path().join("full/results.csv")), results);
+        std::fs::remove_dir_all(dir.path().join("full")).unwrap();
     }
 }
 
@@ -305,14 +302,14 @@ fn regress_keys_that_do_nothing_are_named() {
     let compare = "compare --engines native-reduced,native-resolved";
     let idle = "--set contact.restitution=0.3 --set gear.backlash_m=1e-5 --set base=steel";
     for command in ["run", compare] {
-        let told = with(command, idle);
-        let keys = told
+        let notes = with(command, idle);
+        let keys = notes
             .lines()
             .map(|line| line.split(['=', ' ']).nth(2).unwrap());
         let keys: Vec<&str> = keys.collect();
-        assert_eq!(keys, ["contact.restitution", "base"], "{command}: {told}");
+        assert_eq!(keys, ["contact.restitution", "base"], "{command}: {notes}");
     }
-    // Nothing for 2 ms, and then all: the comparison does not stop at the beginning.
+    // This change has no effect on the first samples, which are compared first; the later ones must be compared, too.
     let later = "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]";
     assert_eq!(run(later), "");
     for typed in [
@@ -323,17 +320,17 @@ fn regress_keys_that_do_nothing_are_named() {
         &format!("explain paper {later}"),
     ] {
         let typed = format!("{typed} --set contact.restitution=0.3");
-        let told = run_in(dir.path(), words(&typed));
+        let outcome = run_in(dir.path(), words(&typed));
         let of = match typed.starts_with("design") {
             true => "the figures and files of this design",
             false => "the native time series of this scene",
         };
         let without = format!("{of}: without it they are equal to the bit\n");
         let note = format!("note: --set contact.restitution=0.3 has no effect on {without}");
-        assert_eq!((told.code, told.stderr), (Some(0), note), "{typed}");
+        assert_eq!((outcome.code, outcome.stderr), (Some(0), note), "{typed}");
     }
 
-    // A run that broke off has no bands, which take the longest time.
+    // A diverged run has no bands, whose computation would take longest.
     let wheels = "run steel --out w --set gear.wheels=64";
     assert_eq!(run_in(dir.path(), words(wheels)).code, Some(3));
     assert!(!read(&dir.path().join("w/run.json")).contains("by_contact_law"));

@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn parts_are_as_long_as_their_shares() {
-        let markup = stack("a <whole>", &[("one", 0.25), ("two", 0.75)]);
-        assert!(markup.contains("a &lt;whole&gt;"));
+        let markup = stack("a <caption>", &[("one", 0.25), ("two", 0.75)]);
+        assert!(markup.contains("a &lt;caption&gt;"));
         assert!(markup.contains("flex:25.0000") && markup.contains("flex:75.0000"));
         assert!(markup.contains("two <b>75 %</b>"), "{markup}");
     }

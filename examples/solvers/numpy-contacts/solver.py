@@ -93,7 +93,7 @@ def closest(p):
 def forces(place, speed, angle, spin):
     """Contact forces on all bodies, and their moments about the bodies' centres."""
     turned = np.exp(1j * angle[discs])[:, None]
-    found = []
+    contacts = []
     # Ring pins on the profiles.
     a, inside = closest((place[outer] - place[discs][:, None]) / turned)
     disc, pin = np.nonzero(inside)
@@ -103,7 +103,7 @@ def forces(place, speed, angle, spin):
     on_curve = place[discs[disc]] + turned[disc, 0] * (R * turn + e * turn * wave)
     curvature = cross(first, second) / abs(first) ** 3
     depth = -dot(place[outer[pin]] - on_curve, out)
-    found.append((discs[disc], outer[pin], on_curve - q * out, -out, depth, q * (1 - q * curvature)))
+    contacts.append((discs[disc], outer[pin], on_curve - q * out, -out, depth, q * (1 - q * curvature)))
     # Output pins in the holes.
     centre = place[discs][:, None] + turned * holes
     gap = place[inner] - centre
@@ -111,10 +111,10 @@ def forces(place, speed, angle, spin):
     depth = r - hole + abs(gap)
     disc, pin = np.nonzero(depth > 0)
     at = (disc, pin)
-    found.append((discs[disc], inner[pin], (centre + hole * n)[at], n[at], depth[at], r * hole / (hole - r)))
+    contacts.append((discs[disc], inner[pin], (centre + hole * n)[at], n[at], depth[at], r * hole / (hole - r)))
 
     force, turning = np.zeros(len(bodies), complex), np.zeros(len(bodies))
-    for disc, pin, w, n, depth, radius in found:
+    for disc, pin, w, n, depth, radius in contacts:
         sliding = speed[pin] + 1j * spin[pin] * (w - place[pin]) - speed[disc] - 1j * spin[disc] * (w - place[disc])
         depth = np.maximum(depth, 0)
         share = np.minimum(depth / contact["ramp_m"], 1)

@@ -1,4 +1,4 @@
-//! Every number of a scene, one at a time, at the ends of what can be written: refused by its name, or a sound run.
+//! Sets every number of a scene, one at a time, to extreme values: it is refused by name, or the scene runs soundly.
 
 use pinwheel_fuzz::targets;
 use pinwheel_scene::Scene;
@@ -23,7 +23,7 @@ const VALUES: [&str; 16] = [
     "1.7976931348623157e308",
 ];
 
-/// The ends of a key's own range, and their neighbours.
+/// Returns the ends of a key's range, and their neighbours.
 fn ends(kind: Kind) -> Vec<String> {
     match kind {
         Kind::Number(Range::From(low, high) | Range::Between(low, high)) => {
@@ -31,13 +31,13 @@ fn ends(kind: Kind) -> Vec<String> {
             near.map(|value| format!("{value:?}")).to_vec()
         }
         Kind::Count(low, high) => [low, low + 1, high - 1, high]
-            .map(|whole| whole.to_string())
+            .map(|count| count.to_string())
             .to_vec(),
         _ => Vec::new(),
     }
 }
 
-/// Keys that another key requires.
+/// Returns settings that a key requires of other keys.
 fn beside(key: &str) -> &'static str {
     match key {
         "bearings.sleeve_friction_coefficient" => return "bearings.sleeve_bore_m = 0.01\n",
@@ -67,7 +67,7 @@ fn beside(key: &str) -> &'static str {
     }
 }
 
-/// Keys of numbers as they are written in a file, with a place for the value.
+/// Returns all numeric keys, each with its lines of a scene file and `@` for its value.
 fn lines() -> Vec<(&'static Key, String)> {
     let number = |key: &&Key| matches!(key.kind, Kind::Number(_) | Kind::Count(..));
     let mut lines = Vec::new();
@@ -95,7 +95,7 @@ fn bad_input_every_number_at_its_ends() {
     let (mut refused, mut ran, mut total) = (0, 0, 0);
     for preset in ["backlash-0.6", "paper-friction", "rv-40e-like"] {
         for (key, line) in lines() {
-            // Cranks go with an RV gear alone.
+            // Only an RV gear has cranks.
             if key.name.starts_with("cranks.") != (preset == "rv-40e-like") {
                 continue;
             }
@@ -110,12 +110,12 @@ fn bad_input_every_number_at_its_ends() {
                         targets::first_steps(text.as_bytes());
                     }
                     Err(error) => {
-                        let said = error.to_string();
+                        let message = error.to_string();
                         let name = key.name.rsplit('.').next().unwrap_or(key.name);
-                        // An end of its own range may clash with another key, which is named then.
-                        let clash = own.iter().any(|end| end == value) && said.contains('`');
-                        assert!(clash || said.contains(name), "{text}{said}");
-                        assert!(said.len() < 1000, "{said}");
+                        // An end of the key's own range may contradict another key, which is named instead.
+                        let clash = own.iter().any(|end| end == value) && message.contains('`');
+                        assert!(clash || message.contains(name), "{text}{message}");
+                        assert!(message.len() < 1000, "{message}");
                         refused += 1;
                     }
                 }

@@ -1,9 +1,9 @@
-//! The targets without a fuzzer: as many inputs as fit the time, by fixed seeds.
+//! Runs the targets without a fuzzer: as many inputs as fit in the time, from fixed seeds.
 //!
 //! ```text
 //! PINWHEEL_FUZZ_S=600       time of all targets together, s (1)
 //! PINWHEEL_FUZZ_ONLY=scene  one target, or with `scene:123` one of its inputs
-//! PINWHEEL_FUZZ_FROM=50000  number of the first input (0): to go on where a run ended
+//! PINWHEEL_FUZZ_FROM=50000  number of the first input (0), to continue an earlier run
 //! ```
 
 mod extremes;
@@ -16,14 +16,14 @@ use std::time::{Duration, Instant};
 
 use pinwheel_fuzz::{TARGETS, Target, mutate};
 
-/// An input of 64 kB that takes longer hangs as far as a user can tell. Machines under load are slower than this by far.
+/// Time limit of one input. An input of 64 kB that takes longer hangs for a user; machines under load stay far below.
 const HANGS: Duration = Duration::from_secs(60);
 
 fn variable(name: &str) -> Option<String> {
     std::env::var(name).ok()
 }
 
-/// Keeps an input for a closer look.
+/// Stores an input for a closer look.
 fn keep(target: &Target, number: u64, bytes: &[u8]) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
     let path = folder.join(format!("{}-{number}", target.name));
@@ -35,7 +35,7 @@ fn keep(target: &Target, number: u64, bytes: &[u8]) -> PathBuf {
 /// Activity of a target, for the watchdog.
 type Now = Mutex<Option<(Instant, u64)>>;
 
-/// Runs a target; what it did, and findings.
+/// Runs a target; returns a summary line and findings.
 fn fuzz(
     target: &Target,
     from: u64,
@@ -106,7 +106,7 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
     let now: Vec<Now> = targets.iter().map(|_| Mutex::new(None)).collect();
     let findings = Mutex::new(Vec::new());
     if one.is_none() {
-        // A finding is told below by its number; a library's panic that is caught on purpose is none.
+        // Findings are reported below by number; panics that a library catches on purpose are no findings.
         std::panic::set_hook(Box::new(|_| {}));
     }
     std::thread::scope(|scope| {
@@ -129,9 +129,9 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
                 scope.spawn(|| {
                     while let Some(&target) = targets.get(next.fetch_add(1, Ordering::Relaxed)) {
                         let place = targets.iter().position(|t| t.name == target.name).unwrap();
-                        let (did, found) = fuzz(target, from, count, share, &now[place]);
+                        let (did, own) = fuzz(target, from, count, share, &now[place]);
                         println!("{did}");
-                        findings.lock().unwrap().extend(found);
+                        findings.lock().unwrap().extend(own);
                     }
                 })
             })
@@ -139,9 +139,8 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
         let ended = workers.into_iter().all(|worker| worker.join().is_ok());
         done.store(true, Ordering::Relaxed);
         if !ended {
-            let told =
-                "a seed makes its target panic; PINWHEEL_FUZZ_ONLY=TARGET:0 shows where".to_owned();
-            findings.lock().unwrap().push(told);
+            let cause = "a seed makes its target panic; PINWHEEL_FUZZ_ONLY=TARGET:0 shows where";
+            findings.lock().unwrap().push(cause.to_owned());
         }
     });
     let _ = std::panic::take_hook();
@@ -149,8 +148,8 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
     assert!(findings.is_empty(), "{}", findings.join("\n"));
 }
 
-/// Requests that servers took for two, by RUSTSEC-2020-0008, 2020-0031, 2020-0093, 2021-0020, 2021-0078, 2021-0079, 2022-0066,
-/// 2026-0033 and 2026-0034, and by RFC 9112: these are one question, whatever follows it, and all others of the corpus are none.
+/// Published requests that servers took for two: RUSTSEC-2020-0008, 2020-0031, 2020-0093, 2021-0020, 2021-0078, 2021-0079, 2022-0066,
+/// 2026-0033 and 2026-0034, and RFC 9112. The listed ones are one question, whatever follows it; all others of the corpus are refused.
 #[test]
 fn published_requests_are_one_question_or_none() {
     let one = "absolute asterisk authority balances bare-feeds cookie-bytes empty-lines-first get-with-body long-body \

@@ -223,8 +223,8 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     if own == 0.0 and not rolls.any():
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
-    # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
-    # matrix.
+    # Friction has this form under every law. For laws without a numpy version the paper's law is accurate enough for a
+    # Newton matrix.
     contact = scene.contact
     known = contact.law if contact.law in LAWS else "paper"
     law = ContactLaw(scene.with_keys("contact", law=known, friction_law="regularised", detection="exact"))
@@ -244,23 +244,23 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         states = np.hstack([np.asarray(q).reshape(count, 3), np.asarray(q_t).reshape(count, 3)])
         by = turned_by[sleeves]
         states[sleeves, 5] = np.where(by < 0, 0.0, states[by, 5])
-        found = law.contacts(states[None])
-        speed = np.abs(found.tangential_rate_m_s)
+        pairs = law.contacts(states[None])
+        speed = np.abs(pairs.tangential_rate_m_s)
         share = own / np.maximum(speed, contact.friction_ramp_m_s)
         if rolls.any():
-            radius = np.abs(found.point_m - (states[found.sleeve, 0] + 1j * states[found.sleeve, 1]))
+            radius = np.abs(pairs.point_m - (states[pairs.sleeve, 0] + 1j * states[pairs.sleeve, 1]))
             turning = on_pin * np.minimum(0.5 * scene.sleeve_bore_m / radius, 1.0)
             turning /= np.maximum(speed, radius * SLOW_RAD_S)
-            # The smaller moment holds.
+            # Rolling and sliding compete: the smaller moment acts.
             smaller = np.minimum(turning, share) if own > 0.0 else turning
-            share = np.where(rolling[found.sleeve], smaller, share)
-        slope = np.where(found.sleeve < rubbing, share * found.normal_force_n, 0.0)
-        tangent = 1j * found.normal
+            share = np.where(rolling[pairs.sleeve], smaller, share)
+        slope = np.where(pairs.sleeve < rubbing, share * pairs.normal_force_n, 0.0)
+        tangent = 1j * pairs.normal
         # v_t = rows . velocities, one row a pair: the pin's part and the disc's.
         rows = np.zeros((slope.size, size))
         pair = np.arange(slope.size)
-        for body, turned, sign in ((found.sleeve, turned_by[found.sleeve], 1.0), (found.wheel, found.wheel, -1.0)):
-            arm = found.point_m - (states[body, 0] + 1j * states[body, 1])
+        for body, turned, sign in ((pairs.sleeve, turned_by[pairs.sleeve], 1.0), (pairs.wheel, pairs.wheel, -1.0)):
+            arm = pairs.point_m - (states[body, 0] + 1j * states[body, 1])
             rows[pair, 3 * body] = sign * tangent.real
             rows[pair, 3 * body + 1] = sign * tangent.imag
             moves = turned >= 0

@@ -68,7 +68,7 @@ def run(
         return np.concatenate([loads[wheels, :2].ravel(), torques]) if sliding else torques
 
     def set_states(q: Any, q_t: Any) -> tuple[Floats, Floats]:
-        """Puts exudyn's state before the law; absolute angles and rates."""
+        """Copies exudyn's state, absolute angles and rates, into the law's states."""
         places, velocities = np.asarray(q), np.asarray(q_t)
         angles, rates = kinematics.absolute(places[sliding:]), kinematics.absolute(velocities[sliding:])
         states = kinematics.states(angles, rates, out=stage_law.states)

@@ -4,7 +4,7 @@ exudyn finds the contacts and computes their forces; no code of ours runs in the
 - Output pins: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
 - Ring pins: `ObjectContactCurveCircles`, for each disc and pin one of all segments of the edge that are
   equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the pin during
-  the run are given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the
+  the run are given to it. A segment is pressed as its nearest point is, so that full-length ones would go deeper than the
   edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
   exudyn looks at each in every stage, so that a run is made of pieces, each of a system that knows the near segments alone.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
@@ -106,7 +106,7 @@ class _Edge:
 
     @staticmethod
     def of(scene: Scene, segments: int) -> _Edge:
-        """So many segments at equal distances."""
+        """Makes `count` segments at equal distances."""
         a, spacing = equal_arcs(scene, segments)
         middles = edge(scene, a)
         along = np.roll(middles, -1) - np.roll(middles, 1)
@@ -117,7 +117,7 @@ class _Edge:
         return _Edge(middles - reach, middles + reach, a, local, margin / spacing)
 
     def reachable(self, scene: Scene, wheel: int, sleeve: int, span_s: Span) -> npt.NDArray[np.bool_]:
-        """Which segments can come under a pin meanwhile: its foot at the ideal mesh is followed along the edge."""
+        """Segments within reach of a pin during a span: its foot at the ideal mesh is followed along the edge."""
         gear, count = scene.gear, self.parameters.size
         f = wheel_phases(gear)[wheel] + scene.drive.input_speed_rad_s * np.linspace(*span_s, 200)
         foot = 2.0 * math.pi * sleeve / gear.external_sleeves - (math.pi - f) / gear.lobes
@@ -305,12 +305,12 @@ class _Machine:
         """Absolute angles and rates of all bodies."""
         order = self.drive_side + self.load_side + self.housing_side
         data = self.system.systemData
-        found = []
+        absolute = []
         for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()):
             relative = np.zeros(self.layout.bodies)
             relative[order] = values
-            found.append(self.kinematics.absolute(relative))
-        return found[0], found[1]
+            absolute.append(self.kinematics.absolute(relative))
+        return absolute[0], absolute[1]
 
     def forces(self, angles: Floats) -> tuple[Complexes, Complexes]:
         """Contact force on every ring and output pin, vector sums over the discs, N, ground frame."""
@@ -350,7 +350,7 @@ def run(
     check_own_contact(NAME, scene)
     segments = segments or springs(scene, SEGMENTS, SEGMENTS_IN_CONTACT)
     guard = Guard(NAME, scene)
-    # Beyond it a disc would run out of the segments that were kept for it.
+    # Beyond this angle a disc would leave the segments of its piece.
     guard.wheel_limit_rad = min(guard.wheel_limit_rad, leeway_rad(scene))
     wanted = nominal_step_s(scene) if step_s is None else step_s
     kept = Kept()
@@ -383,7 +383,7 @@ def run(
                 raise Cancelled
 
         def adjust(settings: Any) -> None:
-            # The recommended step after a change of contact would end in steps of 0.
+            # The step that exudyn recommends after a change of contact would shrink to 0.
             settings.timeIntegration.discontinuous.useRecommendedStepSize = False
 
         def finish() -> Result:

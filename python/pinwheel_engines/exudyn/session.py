@@ -1,6 +1,6 @@
 """exudyn's process-wide settings, its solver settings, and the sampling of one run.
 
-exudyn prints to the console and writes `solution/...` into the working directory unless told not to; a run that blows up
+exudyn by default prints to the console and writes `solution/...` into the working directory; a run that blows up
 reports success. Here nothing is printed or written, every sample is checked, and a Python error inside a user function is
 kept and raised after the solver has stopped.
 """
@@ -29,7 +29,7 @@ VERSION = str(exu.__version__)
 
 @contextmanager
 def quiet_session() -> Iterator[None]:
-    """Runs the body alone, with exudyn's console output and warnings off; both are put back at the end."""
+    """Runs the `with` block exclusively, with exudyn's console output and warnings off, and restores both at the end."""
     with _TURN:
         before = (exu.config.printToConsole, exu.config.suppressWarnings)
         exu.config.printToConsole, exu.config.suppressWarnings = False, True
@@ -80,14 +80,14 @@ class Kept:
 
 
 class Load:
-    """The load as the current stretch has it."""
+    """Load of the current stretch."""
 
     def __init__(self, drive: Drive) -> None:
         self.drive = drive
         self.piece = drive.load_piece(0.0)
 
     def begin(self, stretch: Stretch) -> None:
-        """Takes the piece of the load that a stretch lies in."""
+        """Selects the piece of the load in which a stretch lies."""
         self.piece = self.drive.load_piece(0.5 * (stretch.start_s + stretch.end_s))
 
 

@@ -58,5 +58,5 @@ def coordinates(kinematics: Kinematics, model: mujoco.MjModel) -> npt.NDArray[np
 def slides(scene: Scene, model: mujoco.MjModel) -> npt.NDArray[np.intp]:
     """Index of the slides of every disc in qpos and qvel, shape (discs, 2); none where no disc floats."""
     wheels = range(scene.gear.wheels if scene.floats else 0)
-    found = [[model.joint(f"{axis}{wheel}").qposadr[0] for axis in "xy"] for wheel in wheels]
-    return np.array(found, dtype=np.intp).reshape(-1, 2)
+    addresses = [[model.joint(f"{axis}{wheel}").qposadr[0] for axis in "xy"] for wheel in wheels]
+    return np.array(addresses, dtype=np.intp).reshape(-1, 2)

@@ -26,7 +26,7 @@ VERSION = str(mujoco.__version__)
 
 @contextmanager
 def quiet_session() -> Iterator[None]:
-    """Runs the body alone, with MuJoCo's log silenced and its callbacks put back at the end."""
+    """Runs the `with` block exclusively, with MuJoCo's log off, and restores its callbacks at the end."""
     with _TURN:
         config = mujoco.MjLogConfig.get()
         before = (bool(config.logto_console), bool(config.logto_file))
@@ -77,7 +77,7 @@ def check_data(guard: Guard, data: mujoco.MjData, expected_time_s: float) -> Non
         if warning.number > 0:
             name = kind.name.removeprefix("mjWARN_BAD").lower()
             raise guard.diverged(expected_time_s, f"MuJoCo warns of a bad {name}[{warning.lastinfo}]")
-    # mjWARN_INERTIA, CONTACTFULL, CNSTRFULL: the step went on with less than the whole model.
+    # mjWARN_INERTIA, CONTACTFULL, CNSTRFULL: the step continued with an incomplete model.
     for kind in (mujoco.mjtWarning.mjWARN_INERTIA, mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL):
         if data.warning[int(kind)].number > 0:
             raise guard.diverged(expected_time_s, f"MuJoCo warns: {kind.name.removeprefix('mjWARN_').lower()}")

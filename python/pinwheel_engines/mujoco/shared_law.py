@@ -100,14 +100,14 @@ class _Machine:
         return kinematics.absolute(data.qpos[self.coordinate]), kinematics.absolute(data.qvel[self.coordinate])
 
     def set_states(self, angles: Floats, rates: Floats) -> None:
-        """Puts MuJoCo's state before the law."""
+        """Copies MuJoCo's state into the law's states."""
         states, data = self.law.states, self.data
         self.kinematics.states(angles, rates, out=states)
         if self.scene.floats:
             states[self.wheels, :2], states[self.wheels, 3:5] = data.qpos[self.slides], data.qvel[self.slides]
 
     def add_contact_torques(self) -> None:
-        """The body of the passive-force callback when no compiled one is at hand."""
+        """Body of the passive-force callback without a compiled one."""
         angles, rates = self.absolute()
         self.set_states(angles, rates)
         loads = self.law.evaluate(self.data.time)
@@ -166,10 +166,10 @@ def run(
         steps = 0
 
         def counts() -> tuple[int, int]:
-            found = layout["counters_array"]
+            counters = layout["counters_array"]
             # One call a sample is the forward evaluation that the sample is taken from.
-            calls = stage_law.calls + int(found[0]) - recorder.count
-            return max(0, calls), stage_law.changes + int(found[1])
+            calls = stage_law.calls + int(counters[0]) - recorder.count
+            return max(0, calls), stage_law.changes + int(counters[1])
 
         def finish() -> Result:
             stats = RunStats(
