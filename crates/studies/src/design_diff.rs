@@ -21,7 +21,7 @@ use pinwheel_scene::{CheckedScene, Derived, Line, Scene, Source};
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::comparison::{Effort, context, refine};
 use crate::control::of_scene;
@@ -162,7 +162,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     Ok(DesignDiff {
         motion,
         engine: input.engine.name().to_owned(),
-        changed: changed(scenes, course.as_ref())?,
+        changed: changed(scenes, course.as_ref()),
         stages: course
             .as_ref()
             .and_then(|course| between(course, input.gearboxes[1])),
@@ -234,10 +234,7 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
 }
 
 /// Returns the keys that differ, except names, descriptions and recorded channels, which change no result.
-fn changed(
-    scenes: [&CheckedScene; 2],
-    course: Option<&Course<'_>>,
-) -> Result<Vec<KeyDiff>, StudyError> {
+fn changed(scenes: [&CheckedScene; 2], course: Option<&Course<'_>>) -> Vec<KeyDiff> {
     fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
         match value {
             Value::Object(keys) => {
@@ -251,9 +248,7 @@ fn changed(
     }
     let mut keys: BTreeMap<String, [Option<Value>; 2]> = BTreeMap::new();
     for (k, scene) in scenes.into_iter().enumerate() {
-        let value = serde_json::to_value(scene)
-            .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
-        flat(value, String::new(), &mut |key, value| {
+        flat(scene.to_json(), String::new(), &mut |key, value| {
             keys.entry(key).or_default()[k] = Some(value);
         });
     }
@@ -270,7 +265,7 @@ fn changed(
         key,
         values,
     };
-    Ok(changed.map(change).collect())
+    changed.map(change).collect()
 }
 
 /// Returns the first stage of a model that a key's value alone changes.
@@ -283,21 +278,23 @@ fn stage(
     if key.starts_with("solver.") {
         return Some(Stage::Integration);
     }
-    let mut scene = serde_json::to_value(of).ok()?;
+    let mut scene = toml::Table::try_from(&**of).ok()?;
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
     let mut place = &mut scene;
     for part in table.split('.').filter(|part| !part.is_empty()) {
-        place = place
-            .as_object_mut()?
-            .entry(part)
-            .or_insert_with(|| Value::Object(Map::new()));
+        let inner = place.entry(part);
+        place = inner
+            .or_insert_with(|| toml::Table::new().into())
+            .as_table_mut()?;
     }
-    let place = place.as_object_mut()?;
-    match value {
-        Some(value) => place.insert(name.to_owned(), value.clone()),
+    match value
+        .as_ref()
+        .and_then(|value| toml::Value::try_from(value).ok())
+    {
+        Some(value) => place.insert(name.to_owned(), value),
         None => place.remove(name),
     };
-    let scene: Scene = serde_json::from_value(scene).ok()?;
+    let scene: Scene = toml::Value::Table(scene).try_into().ok()?;
     let scene = of.changed(|own| *own = scene).ok()?;
     between(course, &Gearbox::new(&scene).ok()?)?.first()
 }

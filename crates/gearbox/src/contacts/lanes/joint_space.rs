@@ -58,6 +58,8 @@ const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace {
     layout: Layout,
+    /// True if discs have no joint.
+    floats: bool,
     /// Eccentric e e^{if} of every disc, m.
     eccentrics: Vec<Complex>,
     eccentricity: f64,
@@ -249,6 +251,7 @@ impl JointSpace {
         let directions = Column::padded(around);
         Self {
             layout,
+            floats: scene.bearings.eccentric.is_some(),
             eccentrics: geometry
                 .wheel_phases
                 .iter()
@@ -276,9 +279,10 @@ impl JointSpace {
     }
 
     /// Evaluates the forces at the angles and rates of `bodies`; only floating discs' positions are read. Returns the moments
-    /// on discs and output, with `LOADS` also the input's and all bodies' loads. Contacts are frictionless.
+    /// on discs and output, with `LOADS` also the input's and all bodies' loads. Contacts are frictionless. Floating discs need
+    /// `LOADS`.
     #[inline(always)]
-    pub(super) fn run<S: Simd, const LOADS: bool, const FLOATS: bool>(
+    pub(super) fn run<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
         law: &PinLaw,
@@ -286,11 +290,11 @@ impl JointSpace {
         bodies: &[BodyState],
         request: &mut mbs::Evaluation<'_>,
     ) {
-        let output = self.place::<S, FLOATS>(simd, bodies);
+        let output = self.place::<S, LOADS>(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Evaluation {
             asked: LOADS && request.energy.is_some(),
-            on_sleeves: !FLOATS || !request.floating_alone,
+            on_sleeves: !self.floats || !request.floating_alone,
             on_input: nothing,
             on_output: nothing,
             on_pins: nothing,
@@ -298,8 +302,8 @@ impl JointSpace {
             dissipated: nothing,
             rubbed: nothing,
         };
-        self.external::<S, LOADS, FLOATS>(simd, &law.on(law.ring_n_m), shapes, bodies, &mut sums);
-        self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
+        self.external::<S, LOADS>(simd, &law.on(law.ring_n_m), shapes, bodies, &mut sums);
+        self.internal::<S, LOADS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS && let Some(loads) = &mut request.loads {
             if sums.on_sleeves {
                 self.scatter(loads);
@@ -329,7 +333,7 @@ impl JointSpace {
 
     /// Sets the discs from the angles of the bodies; returns e^{i psi}.
     #[inline(always)]
-    fn place<S: Simd, const FLOATS: bool>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
+    fn place<S: Simd, const LOADS: bool>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
         let n = self.wheels.len();
         let hubs = &bodies[self.layout.wheel_bodies()][..n];
         self.angles[0] = bodies[Layout::INPUT].angle;
@@ -350,7 +354,7 @@ impl JointSpace {
         let (h, m, b) = (self.repulsion, self.shortening, self.backlash / self.radius);
         let wheels = &mut self.wheels[..n];
         for k in 0..n {
-            let centre = if FLOATS {
+            let centre = if LOADS && self.floats {
                 Complex::new(hubs[k].x, hubs[k].y)
             } else {
                 eccentrics[k] * input
@@ -472,7 +476,7 @@ impl JointSpace {
     }
 
     #[inline(always)]
-    fn external<S: Simd, const LOADS: bool, const FLOATS: bool>(
+    fn external<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
         law: &PinLaw,
@@ -501,7 +505,7 @@ impl JointSpace {
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
             // Direction -n.
             let away = foot.outward.scale(foot.inverse).times_conj(direction);
-            let closing = if FLOATS {
+            let closing = if LOADS && self.floats {
                 self.velocities(simd, bodies, pair).dot(away) - wheel_lever * wheel_rate
             } else {
                 -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate)
@@ -532,7 +536,7 @@ impl JointSpace {
                     let radius = c(self.sleeve_radii[0]) - depth;
                     // (W - c).n.
                     let lever = radius - level;
-                    let carried = if FLOATS {
+                    let carried = if LOADS && self.floats {
                         -self.velocities(simd, bodies, pair).dot(away.turned())
                     } else {
                         -(centre * c(bodies[Layout::INPUT].rate))
@@ -547,12 +551,12 @@ impl JointSpace {
                     }
                     tangential = tangential + drag;
                 }
-                if LOADS && !FLOATS {
+                if LOADS && !self.floats {
                     sums.on_input = sums.on_input + tangential * centre.only(inside);
                 }
                 beside = Some(tangential);
             }
-            if LOADS && !FLOATS {
+            if LOADS && !self.floats {
                 sums.on_input = sums.on_input + (input_lever * force).only(inside);
             }
             let moment = moment.sums();

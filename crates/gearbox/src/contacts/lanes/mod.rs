@@ -65,7 +65,7 @@ impl<K: Sink> pulp::WithSimd for PairLoop<'_, K> {
 }
 
 /// Computes moments, and with `LOADS` loads, from angles and rates.
-struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
+struct JointSpaceLoop<'a, 'b, const LOADS: bool> {
     joint_space: &'a mut JointSpace,
     shapes: &'a Shapes,
     law: PinLaw,
@@ -73,20 +73,13 @@ struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
     request: &'a mut Evaluation<'b>,
 }
 
-impl<const LOADS: bool, const FLOATS: bool> pulp::WithSimd
-    for JointSpaceLoop<'_, '_, LOADS, FLOATS>
-{
+impl<const LOADS: bool> pulp::WithSimd for JointSpaceLoop<'_, '_, LOADS> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.joint_space.run::<S, LOADS, FLOATS>(
-            simd,
-            &self.law,
-            self.shapes,
-            self.bodies,
-            self.request,
-        );
+        self.joint_space
+            .run::<S, LOADS>(simd, &self.law, self.shapes, self.bodies, self.request);
     }
 }
 
@@ -146,13 +139,13 @@ impl LaneField {
     }
 
     /// Computes moments, and loads if requested, of bodies with the poses that their joints prescribe, without friction.
-    fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
+    fn sum_in_joint_space<const LOADS: bool>(
         &mut self,
         bodies: &[BodyState],
         request: &mut Evaluation<'_>,
     ) {
         if let Some(joint_space) = &mut self.joint_space {
-            self.arch.dispatch(JointSpaceLoop::<LOADS, FLOATS> {
+            self.arch.dispatch(JointSpaceLoop::<LOADS> {
                 joint_space,
                 shapes: &self.pairs.shapes,
                 law: self.law,
@@ -175,10 +168,9 @@ impl PairField for LaneField {
     fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         let from_angles = self.joint_space.is_some() && request.pose == Pose::Prescribed;
         if from_angles && request.derivatives.is_none() {
-            match (request.loads.is_some(), self.floats) {
-                (true, false) => self.sum_in_joint_space::<true, false>(bodies, request),
-                (false, false) => self.sum_in_joint_space::<false, false>(bodies, request),
-                (_, true) => self.sum_in_joint_space::<true, true>(bodies, request),
+            match request.loads.is_some() || self.floats {
+                true => self.sum_in_joint_space::<true>(bodies, request),
+                false => self.sum_in_joint_space::<false>(bodies, request),
             }
             return;
         }

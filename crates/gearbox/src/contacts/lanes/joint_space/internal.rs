@@ -10,7 +10,7 @@ use crate::contacts::lanes::shapes::Shapes;
 
 impl JointSpace {
     #[inline(always)]
-    pub(super) fn internal<S: Simd, const LOADS: bool, const FLOATS: bool>(
+    pub(super) fn internal<S: Simd, const LOADS: bool>(
         &mut self,
         simd: S,
         law: &PinLaw,
@@ -48,7 +48,7 @@ impl JointSpace {
             let normal = offset.scale(inverse);
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            let closing = if FLOATS {
+            let closing = if LOADS && self.floats {
                 let apart = output_lever * output_rate - wheel_lever * wheel_rate;
                 apart - self.velocities(simd, bodies, pair).dot(normal)
             } else {
@@ -68,7 +68,7 @@ impl JointSpace {
                 // (W - c).n, W.n and the velocity of c along t.
                 let on_wheel = hole.dot(normal) + c(self.sleeve_radii[1] + shapes.clearance);
                 let on_output = sleeve.dot(normal) + radius;
-                let carried = if FLOATS {
+                let carried = if LOADS && self.floats {
                     self.velocities(simd, bodies, pair).dot(normal.turned())
                 } else {
                     (on_output - on_wheel) * input_rate
@@ -80,7 +80,7 @@ impl JointSpace {
                 sums.on_output = sums.on_output + drag * on_output.only(inside);
                 moment = moment - drag * on_wheel.only(inside);
                 push = push + normal.turned().only(inside).scale(drag);
-                if LOADS && !FLOATS {
+                if LOADS && !self.floats {
                     let lever = (on_output - on_wheel).only(inside);
                     sums.on_input = sums.on_input - drag * lever;
                 }
@@ -93,7 +93,7 @@ impl JointSpace {
             self.wheels[pair[0].wheel].moment += moment[0];
             self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
-                if !FLOATS {
+                if !self.floats {
                     let lever = output_lever - wheel_lever;
                     sums.on_input = sums.on_input + (lever * force).only(inside);
                 }
