@@ -59,7 +59,7 @@ const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 pub(super) struct JointSpace {
     layout: Layout,
     /// True if discs have no joint.
-    floats: bool,
+    pub(super) floats: bool,
     /// Eccentric e e^{if} of every disc, m.
     eccentrics: Vec<Complex>,
     eccentricity: f64,

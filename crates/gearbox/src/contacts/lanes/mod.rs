@@ -42,8 +42,6 @@ pub(super) struct LaneField {
     pairs: LanePairs,
     /// Contacts from joint angles, without friction.
     joint_space: Option<JointSpace>,
-    /// True if discs have no joint.
-    floats: bool,
     /// Scalar loop for single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
 }
@@ -95,7 +93,6 @@ impl LaneField {
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             }),
             pins: PinFriction::of(scene),
-            floats: scene.bearings.eccentric.is_some(),
             // Cranks move like free bodies, without levers.
             joint_space: (!scene.slides() && scene.cranks.is_none())
                 .then(|| JointSpace::new(scene, geometry)),
@@ -166,9 +163,11 @@ impl PairField for LaneField {
     }
 
     fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        let from_angles = self.joint_space.is_some() && request.pose == Pose::Prescribed;
-        if from_angles && request.derivatives.is_none() {
-            match request.loads.is_some() || self.floats {
+        if let Some(joint_space) = &self.joint_space
+            && request.pose == Pose::Prescribed
+            && request.derivatives.is_none()
+        {
+            match request.loads.is_some() || joint_space.floats {
                 true => self.sum_in_joint_space::<true>(bodies, request),
                 false => self.sum_in_joint_space::<false>(bodies, request),
             }
