@@ -5,7 +5,8 @@ use std::io::Read as _;
 use std::path::Path;
 
 use serde::de::{DeserializeOwned, IntoDeserializer as _};
-use toml::de::{DeTable, DeValue, Deserializer, Error};
+use serde_path_to_error::{Path as KeyPath, Segment};
+use toml::de::{DeTable, DeValue, Error};
 use toml::{Spanned, Value};
 
 use crate::error::{FileError, quoted};
@@ -51,12 +52,16 @@ fn line_of(head: &[u8]) -> usize {
 /// # Errors
 /// First fault with line and key, and a suggestion for a mistyped name.
 pub fn read<T: DeserializeOwned>(text: &str, file: &str, remedy: &str) -> Result<T, FileError> {
-    too_long(text.len(), file, remedy)?;
-    let root = DeTable::parse(text).map_err(|error| broken(&error, text, file, remedy))?;
-    serde_path_to_error::deserialize(Deserializer::from(root)).map_err(|error| {
+    let document = Document::parse(text, file, remedy)?;
+    let root = Item {
+        line: 1,
+        text,
+        node: Node::Table(document.root),
+    };
+    let value = root.node.value();
+    serde_path_to_error::deserialize(value).map_err(|error| {
         let key = error.path().to_string();
-        let at = error.inner().span().map_or(0, |span| span.start);
-        let line = line_of(&text.as_bytes()[..at.min(text.len())]);
+        let line = root.at(error.path()).line;
         misread(&key, error.inner().message(), file, remedy).in_line(line)
     })
 }
@@ -181,6 +186,23 @@ impl<'t> Document<'t> {
                 inner => format!("{key}.{inner}"),
             };
             misread(&key, error.inner().message(), self.file, remedy).in_line(item.line)
+        })
+    }
+}
+
+impl Item<'_> {
+    /// Returns the innermost item on a path.
+    fn at(&self, path: &KeyPath) -> &Self {
+        path.iter().fold(self, |item, segment| {
+            let inner = match (segment, &item.node) {
+                (Segment::Map { key }, Node::Table(entries)) => {
+                    let entry = entries.iter().find(|(name, _)| name == key);
+                    entry.map(|(_, item)| item)
+                }
+                (Segment::Seq { index }, Node::List(list)) => list.get(*index),
+                _ => None,
+            };
+            inner.unwrap_or(item)
         })
     }
 }

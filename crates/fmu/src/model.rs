@@ -352,11 +352,9 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
     if begun.adaptive() {
         add("solver.tolerance", about, What::Tolerance, begun.method().1);
     }
-    let scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
     for key in KEYS {
-        let pointer = format!("/{}", key.name.replace('.', "/"));
-        let value = scene.pointer(&pointer).and_then(serde_json::Value::as_f64);
         let tuned = TUNED.iter().any(|part| key.name.starts_with(part));
+        let value = gearbox.scene.number(key.name);
         if let (Kind::Number(_), true, Some(value)) = (key.kind, tuned, value) {
             add(key.name, key.about, What::Key, value);
         }

@@ -40,7 +40,7 @@ pub fn required(gearbox: &Gearbox) -> Vec<String> {
 /// A scene whose contacts cannot be built.
 pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
     let law = Law::of(gearbox)?;
-    let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
+    let mut scene = gearbox.scene.to_json();
     // Keys whose value means `none` are written, too.
     for key in KEYS {
         let nothing = match key.kind {

@@ -134,7 +134,7 @@ impl CheckedScene {
         }
         let path: Vec<&str> = key.split('.').collect();
         insert(&mut table, &path, Value::Float(value));
-        let changed: Scene = table
+        let changed: Scene = Value::Table(table)
             .try_into()
             .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
         self.changed(|scene| {

@@ -516,7 +516,8 @@ pub struct Output {
 static PAPER: LazyLock<Scene> = LazyLock::new(|| {
     let text = crate::preset("paper").unwrap_or_default();
     // The text is embedded, and tests read it.
-    toml::from_str(text).expect("the embedded preset is a complete scene")
+    let scene = toml::from_str(text).and_then(toml::Value::try_into);
+    scene.expect("the embedded preset is a complete scene")
 });
 
 impl Scene {

@@ -164,7 +164,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     Ok(DesignDiff {
         motion,
         engine: input.engine.name().to_owned(),
-        changed: changed(scenes, course.as_ref())?,
+        changed: changed(scenes, course.as_ref()),
         stages: course
             .as_ref()
             .and_then(|course| between(course, input.gearboxes[1])),
@@ -236,10 +236,7 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
 }
 
 /// Returns the keys that differ, except names, descriptions and recorded channels, which change no result.
-fn changed(
-    scenes: [&CheckedScene; 2],
-    course: Option<&Course<'_>>,
-) -> Result<Vec<KeyDiff>, StudyError> {
+fn changed(scenes: [&CheckedScene; 2], course: Option<&Course<'_>>) -> Vec<KeyDiff> {
     fn flat(value: Value, at: &str, keys: &mut BTreeMap<String, Value>) {
         let Value::Object(inner) = value else {
             keys.insert(at.to_owned(), value);
@@ -252,10 +249,8 @@ fn changed(
     }
     let mut keys: BTreeMap<String, [Option<Value>; 2]> = BTreeMap::new();
     for (k, scene) in scenes.into_iter().enumerate() {
-        let value = serde_json::to_value(scene)
-            .map_err(|error| StudyError::Input(format!("{}: {error}", scene.name)))?;
         let mut own = BTreeMap::new();
-        flat(value, "", &mut own);
+        flat(scene.to_json(), "", &mut own);
         for (key, value) in own {
             keys.entry(key).or_default()[k] = Some(value);
         }
@@ -273,7 +268,7 @@ fn changed(
         key,
         values,
     };
-    Ok(changed.map(change).collect())
+    changed.map(change).collect()
 }
 
 /// Returns the first stage of a model that a key's value alone changes.
@@ -286,15 +281,23 @@ fn stage(
     if key.starts_with("solver.") {
         return Some(Stage::Integration);
     }
-    let mut scene = serde_json::to_value(of).ok()?;
+    let mut scene = toml::Table::try_from(&**of).ok()?;
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
-    let tables = table.split('.').filter(|part| !part.is_empty());
-    let table = tables.fold(&mut scene, |place, part| &mut place[part]);
-    match value {
-        Some(value) => table[name] = value.clone(),
-        None => drop(table.as_object_mut()?.remove(name)),
+    let mut place = &mut scene;
+    for part in table.split('.').filter(|part| !part.is_empty()) {
+        let inner = place.entry(part);
+        place = inner
+            .or_insert_with(|| toml::Table::new().into())
+            .as_table_mut()?;
     }
-    let scene: Scene = serde_json::from_value(scene).ok()?;
+    match value
+        .as_ref()
+        .and_then(|value| toml::Value::try_from(value).ok())
+    {
+        Some(value) => place.insert(name.to_owned(), value),
+        None => place.remove(name),
+    };
+    let scene: Scene = toml::Value::Table(scene).try_into().ok()?;
     let scene = of.changed(|own| *own = scene).ok()?;
     between(course, &Gearbox::new(&scene).ok()?)?.first()
 }

@@ -374,7 +374,7 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 
 /// Returns the sliders of a scene for the page's script.
 pub fn sliders(scene: &Scene) -> Vec<Value> {
-    let keys = serde_json::to_value(scene).unwrap_or_default();
+    let keys = scene.to_json();
     // Sliders of the cranks exist only for an RV gear, whose cranks are its output pins.
     let there = |one: &&Slider| match one.key {
         "gear.internal_sleeves" => scene.cranks.is_none(),

@@ -2,29 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex64;
+use pinwheel_timeseries::fourier::{Complex64, forward, inverse};
 
 /// Least samples of [`resampled`] a cycle of the highest frequency.
 const A_CYCLE: usize = 8;
 
-/// Returns X_k of bins 0 to N/2.
-fn transform(mut samples: Vec<f64>) -> Vec<Complex64> {
-    if samples.is_empty() {
-        return Vec::new();
-    }
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(samples.len());
-    let mut bins = plan.make_output_vec();
-    // Fails only for buffers of wrong length.
-    match plan.process(&mut samples, &mut bins) {
-        Ok(()) => bins,
-        Err(_) => Vec::new(),
-    }
-}
-
 /// Returns `|X_k|` of bins 0 to N/2.
 pub(crate) fn moduli(samples: Vec<f64>) -> Vec<f64> {
-    let bins = transform(samples);
+    let bins = forward(samples);
     bins.iter().map(|bin| bin.norm()).collect()
 }
 
@@ -51,7 +36,7 @@ fn harmonics(order: i64, base: [usize; 2]) -> impl Iterator<Item = i64> {
 /// The number of samples has no factor in common with a base frequency.
 pub fn resampled(samples: Vec<f64>, base: [usize; 2]) -> Vec<f64> {
     let count = samples.len();
-    let bins = transform(samples);
+    let bins = forward(samples);
     let mut frequencies = vec![None; bins.len()];
     for order in 0..=count as i64 {
         if frequencies.iter().all(Option::is_some) {
@@ -72,8 +57,7 @@ pub fn resampled(samples: Vec<f64>, base: [usize; 2]) -> Vec<f64> {
         .map(|f: &i64| f.unsigned_abs() as usize)
         .max();
     let dense = (A_CYCLE * highest.unwrap_or_default().max(1)).next_power_of_two();
-    let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(dense);
-    let (mut spectrum, mut values) = (plan.make_input_vec(), plan.make_output_vec());
+    let mut spectrum = vec![Complex64::default(); dense / 2 + 1];
     for (k, (bin, frequency)) in bins.iter().zip(frequencies).enumerate() {
         let Some(frequency) = frequency else { continue };
         // The middle bin of an even number of samples stands alone, the others for their conjugates too.
@@ -81,8 +65,5 @@ pub fn resampled(samples: Vec<f64>, base: [usize; 2]) -> Vec<f64> {
         let bin = if frequency < 0 { bin.conj() } else { *bin };
         spectrum[frequency.unsigned_abs() as usize] += bin * share;
     }
-    match plan.process(&mut spectrum, &mut values) {
-        Ok(()) => values,
-        Err(_) => Vec::new(),
-    }
+    inverse(spectrum, dense)
 }

@@ -28,6 +28,7 @@ mod csv_file;
 mod error;
 pub mod figure;
 pub mod foreign;
+pub mod fourier;
 pub mod ladder;
 pub mod norms;
 #[cfg(feature = "parquet")]

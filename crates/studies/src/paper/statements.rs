@@ -75,6 +75,7 @@ impl Statements {
             env!("PINWHEEL_SHIPPED"),
             "/reference/published/paper.toml"
         )))
+        .and_then(toml::Value::try_into)
     }
 }
 

@@ -8,11 +8,9 @@
 //! Near its peak the correlation falls as `c - k t^2/2`. A systematic misfit `1 - c^2` moves the peak by up to `sqrt((1 -
 //! c^2)/k)`, the stated uncertainty of the shift; noise of single samples moves it less.
 
-use realfft::RealFftPlanner;
-
 use super::Offset;
 use super::resample::{usual_spacing, value_at};
-use crate::TimeSeries;
+use crate::{TimeSeries, fourier};
 
 /// Points of the uniform grid per sample: between the points of an oscillation of 8 samples the correlation falls by 1/15.
 const FINE: f64 = 4.0;
@@ -132,9 +130,10 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
         };
         let both = on_grid(run, values, from.0, n).zip(on_grid(record, &channel.values, to.0, m));
         let Some((a, b)) = both else { continue };
-        let Some(products) = products(&a.values, &b.values) else {
+        let products = products(&a.values, &b.values);
+        if products.is_empty() {
             continue;
-        };
+        }
         columns += 1.0;
         for (k, fit) in fits.iter_mut().enumerate() {
             let place = first + k as isize;
@@ -248,28 +247,20 @@ fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f6
 }
 
 /// Returns the sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
-fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
+fn products(a: &[f64], b: &[f64]) -> Vec<f64> {
     let length = (a.len() + b.len()).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let forward = planner.plan_fft_forward(length);
-    let back = planner.plan_fft_inverse(length);
     let spectrum = |values: &[f64]| {
-        let mut input = forward.make_input_vec();
-        input[..values.len()].copy_from_slice(values);
-        let mut bins = forward.make_output_vec();
-        // The transform fails only for buffers of a wrong length.
-        forward.process(&mut input, &mut bins).ok()?;
-        Some(bins)
+        let mut input = values.to_vec();
+        input.resize(length, 0.0);
+        fourier::forward(input)
     };
-    let (mut bins, of_b) = (spectrum(a)?, spectrum(b)?);
+    let (mut bins, of_b) = (spectrum(a), spectrum(b));
     for (bin, other) in bins.iter_mut().zip(&of_b) {
         *bin = *bin * other.conj() / length as f64;
     }
-    let mut sums = back.make_output_vec();
     // The first and the last bin are real up to rounding.
     for end in [0, bins.len() - 1] {
         bins[end].im = 0.0;
     }
-    back.process(&mut bins, &mut sums).ok()?;
-    Some(sums)
+    fourier::inverse(bins, length)
 }
