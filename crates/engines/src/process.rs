@@ -26,6 +26,9 @@ const PIECES: usize = 16;
 /// Largest number of searches for processes that left the process group.
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
+/// Time between two searches without a result.
+#[cfg(target_os = "linux")]
+const BETWEEN: Duration = Duration::from_millis(2);
 
 /// Cause of the end of a program.
 #[derive(Debug)]
@@ -212,6 +215,7 @@ fn end_marked(mark: &str) {
         let mut variables = environment.split(|byte| *byte == 0);
         variables.any(|variable| variable.starts_with(begins.as_bytes()))
     };
+    let mut was_empty = false;
     for _ in 0..ROUNDS {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
@@ -220,9 +224,14 @@ fn end_marked(mark: &str) {
             std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|all| is_marked(&all))
         });
         let marked: Vec<i32> = marked.collect();
+        // A process has no environment for a moment while it becomes another program, so one empty search is not enough.
         if marked.is_empty() {
-            return;
+            if was_empty {
+                return;
+            }
+            thread::sleep(BETWEEN);
         }
+        was_empty = marked.is_empty();
         for pid in marked {
             if let Some(pid) = rustix::process::Pid::from_raw(pid) {
                 let _ = rustix::process::kill_process(pid, rustix::process::Signal::KILL);

@@ -275,7 +275,7 @@ fn hard_who_leaves_the_group_is_ended_too() {
                  while [ ! -s \"$2/session\" ] || [ ! -s \"$2/orphan\" ]; do :; done";
     for (end, finishes) in [(COPY, true), ("sleep 1000", false)] {
         let script = Script::new(&format!("{leave}\n{end}"));
-        let solver = script.solver.clone().within(Duration::from_secs(1));
+        let solver = script.solver.clone().within(Duration::from_secs(2));
         let run = solver.run(&scene(), &Control::quiet()).expect("ran");
         assert_eq!(run.ending.is_finished(), finishes, "{}", run.ending);
         let pids = ["session", "orphan"].map(|name| script.read(name));
