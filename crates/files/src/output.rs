@@ -92,9 +92,13 @@ pub fn escape(text: &str) -> String {
 /// # Errors
 /// The file cannot be written.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), OutputError> {
-    let text = serde_json::to_string_pretty(value);
-    let text = text.map_err(|error| OutputError::new(path, &error))?;
-    write_text(path, &(text + "\n"))
+    let failed = |error: &dyn Display| OutputError::new(path, error);
+    let file = File::create(path).map_err(|error| failed(&error))?;
+    // The text of a large sweep is as large as all of its figures in memory.
+    let mut sink = BufWriter::new(file);
+    serde_json::to_writer_pretty(&mut sink, value).map_err(|error| failed(&error))?;
+    let ended = sink.write_all(b"\n").and_then(|()| sink.flush());
+    ended.map_err(|error| failed(&error))
 }
 
 /// Writes a text file.
