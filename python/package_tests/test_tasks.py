@@ -84,7 +84,7 @@ def test_help_says_what_attributes_are(capsys):
     import pinwheel
 
     for kind, message in (
-        (pinwheel.Run, "resolution: what the same run"),
+        (pinwheel.Run, "resolution: comparison with a run"),
         (pinwheel.Verdict, "uncertainty: U = u_a + u_b"),
         (pinwheel.Sweep, "cpu_s: CPU time of all runs"),
     ):
