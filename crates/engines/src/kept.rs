@@ -321,7 +321,7 @@ fn unpacked(bytes: &[u8]) -> Option<Kept> {
 /// Reads description and samples.
 fn read(body: &[u8]) -> Option<Kept> {
     let (about, columns): (&str, Vec<(String, Vec<f64>)>) = postcard::from_bytes(body).ok()?;
-    let mut kept: Kept = toml::from_str(about).and_then(toml::Value::try_into).ok()?;
+    let mut kept: Kept = pinwheel_files::parse(about).ok()?;
     kept.run.time_series = TimeSeries::of_columns(columns).ok()?;
     Some(kept)
 }

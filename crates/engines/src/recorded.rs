@@ -114,7 +114,7 @@ impl Recording {
     /// # Errors
     /// See [`RecordingError`].
     pub fn read(description: &str, csv: &str) -> Result<Self, RecordingError> {
-        let mut recording: Self = toml::from_str(description).and_then(toml::Value::try_into)?;
+        let mut recording: Self = pinwheel_files::parse(description)?;
         recording.time_series = TimeSeries::read_csv(csv.as_bytes())?;
         Ok(recording)
     }

@@ -47,6 +47,15 @@ fn line_of(head: &[u8]) -> usize {
     1 + head.iter().filter(|&&byte| byte == b'\n').count()
 }
 
+/// Reads TOML that a program wrote or that is embedded, without places for faults. It passes through a [`Value`], so that only one
+/// deserialiser of each type is compiled.
+///
+/// # Errors
+/// First fault.
+pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
+    toml::from_str::<Value>(text)?.try_into()
+}
+
 /// Deserializes a TOML text; `file` is its name in messages, `remedy` the place of an example.
 ///
 /// # Errors

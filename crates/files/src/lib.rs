@@ -18,7 +18,7 @@ mod manifest;
 pub mod output;
 mod suggest;
 
-pub use document::{Document, Entries, Item, MOST_BYTES, Node, read, read_text};
+pub use document::{Document, Entries, Item, MOST_BYTES, Node, parse, read, read_text};
 pub use error::{Broken, FileError, cut, one_line, quoted, require};
 pub use fnv::{Fnv, fnv};
 pub use lock::Lock;

@@ -94,7 +94,7 @@ pub fn escape(text: &str) -> String {
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), OutputError> {
     let failed = |error: &dyn Display| OutputError::new(path, error);
     let file = File::create(path).map_err(|error| failed(&error))?;
-    // The text of a large sweep is as large as all of its figures in memory.
+    // Streamed, because the text of a large sweep takes more memory than the sweep.
     let mut sink = BufWriter::new(file);
     serde_json::to_writer_pretty(&mut sink, value).map_err(|error| failed(&error))?;
     let ended = sink.write_all(b"\n").and_then(|()| sink.flush());

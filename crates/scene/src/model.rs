@@ -516,8 +516,7 @@ pub struct Output {
 static PAPER: LazyLock<Scene> = LazyLock::new(|| {
     let text = crate::preset("paper").unwrap_or_default();
     // The text is embedded, and tests read it.
-    let scene = toml::from_str(text).and_then(toml::Value::try_into);
-    scene.expect("the embedded preset is a complete scene")
+    pinwheel_files::parse(text).expect("the embedded preset is a complete scene")
 });
 
 impl Scene {

@@ -171,9 +171,9 @@ pub struct Held {
 
 /// All trials, from the embedded `trials.toml`.
 pub static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
-    let table: Result<BTreeMap<String, Vec<Trial>>, _> =
-        toml::from_str(include_str!("trials.toml")).and_then(toml::Value::try_into);
-    table.unwrap_or_default().into_values().flatten().collect()
+    let table: BTreeMap<String, Vec<Trial>> =
+        pinwheel_files::parse(include_str!("trials.toml")).unwrap_or_default();
+    table.into_values().flatten().collect()
 });
 
 /// States and contact forces of one body of a case: case, body, [x, y, angle, vx, vy, rate], force x, force y, moment.

@@ -32,10 +32,8 @@ struct Set {
 }
 
 /// Embedded set, checked by a test.
-static SET: LazyLock<Set> = LazyLock::new(|| {
-    let set = toml::from_str(include_str!("cases.toml"));
-    set.and_then(toml::Value::try_into).unwrap_or_default()
-});
+static SET: LazyLock<Set> =
+    LazyLock::new(|| pinwheel_files::parse(include_str!("cases.toml")).unwrap_or_default());
 
 /// Returns the scenes of the set.
 pub fn scenes() -> &'static [SceneCase] {

@@ -71,11 +71,10 @@ impl Statements {
     /// # Errors
     /// The file is invalid, which a test excludes.
     pub fn read() -> Result<Self, toml::de::Error> {
-        toml::from_str(include_str!(concat!(
+        pinwheel_files::parse(include_str!(concat!(
             env!("PINWHEEL_SHIPPED"),
             "/reference/published/paper.toml"
         )))
-        .and_then(toml::Value::try_into)
     }
 }
 

@@ -79,7 +79,7 @@ fn crossval_hysteresis_of_needles_and_seals() {
 /// Crank bearings of an RV gear with the friction of plain bushes, which give a wide loop. Measured: widths within 7.4 % (a fifth of
 /// the run's uncertainty), 0.15 and 0.009 %, angles within 0.17 %.
 #[test]
-fn crossval_hysteresis_of_needles_on_cranks() {
+fn crossval_hysteresis_of_bushes_on_cranks() {
     let sets = ["friction_coefficient=0.05", "bore_m=0.019"];
     let sets = sets.map(|set| format!("bearings.eccentric.{set}").parse().unwrap());
     let scene = Scene::load("rv-40e-like", &sets).unwrap();
