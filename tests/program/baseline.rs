@@ -114,17 +114,3 @@ fn what_cannot_be_is_refused_with_a_remedy() {
     assert_eq!(names_in(&accepted), before);
     assert_eq!(names_in(base.path()), ["baselines"]);
 }
-
-#[test]
-fn the_list_tells_why() {
-    let base = tempfile::tempdir().unwrap();
-    copied(base.path());
-    let list = run_in(
-        base.path(),
-        ["baseline", "list", "--dir", "baselines", "--json"],
-    );
-    assert_eq!(list.code, Some(0), "{}", list.stderr);
-    let value: serde_json::Value = serde_json::from_str(&list.stdout).unwrap();
-    assert_eq!(value[0]["name"], "accepted");
-    assert!(value[0]["accepted"][0]["reason"].is_string());
-}

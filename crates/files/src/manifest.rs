@@ -9,7 +9,6 @@ use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 use twox_hash::XxHash3_128;
 
 use crate::draft::{open_plain, sync};
@@ -43,24 +42,8 @@ pub struct Manifest {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Written {
     bytes: u64,
-    #[serde(flatten)]
-    hash: Hash,
-}
-
-/// Hash of a file in hexadecimal digits. It detects edits, not forgery.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Hash {
-    /// XXH3 of 128 bits; empty for a folder.
-    Xxh3(String),
-    /// Hash that earlier versions wrote.
-    Sha256(String),
-}
-
-impl Default for Hash {
-    fn default() -> Self {
-        Self::Xxh3(String::new())
-    }
+    /// XXH3 of 128 bits in hexadecimal digits; empty for a folder. It detects edits, not forgery.
+    xxh3: String,
 }
 
 /// Entry of a folder that pinwheel did not leave in this form.
@@ -102,7 +85,7 @@ impl Manifest {
         let at_once = names.len() >= MANY && sync_all(folder);
         for (name, plain) in names {
             let written = match plain {
-                true => Written::of(&folder.join(&name), &Hash::default(), !at_once)?,
+                true => Written::of(&folder.join(&name), !at_once)?,
                 false => Written::default(),
             };
             self.files.insert(name, written);
@@ -129,7 +112,7 @@ pub(crate) fn stranger(folder: &Path) -> io::Result<Option<Stranger>> {
                 return Ok(Some(Stranger::Foreign(name)));
             }
             Some(written) if plain => {
-                let now = || Written::of(&folder.join(&name), &written.hash, false);
+                let now = || Written::of(&folder.join(&name), false);
                 let same = changed.is_some() || now()? == *written;
                 if !same {
                     changed = Some(Stranger::Changed(name));
@@ -168,36 +151,22 @@ fn below(folder: &Path) -> io::Result<BTreeMap<String, bool>> {
 }
 
 impl Written {
-    /// Reads a regular file and hashes it like `like`; waits until it is on disk if `synced`.
-    fn of(path: &Path, like: &Hash, synced: bool) -> io::Result<Self> {
+    /// Reads and hashes a regular file; waits until it is on disk if `synced`.
+    fn of(path: &Path, synced: bool) -> io::Result<Self> {
         // Windows flushes only files that are open for writing.
         let write = synced && !cfg!(unix);
         let mut file = open_plain(path, File::options().read(true).write(write))?;
         let (mut bytes, mut block) = (0, vec![0; 1 << 16]);
-        let mut read = |take: &mut dyn FnMut(&[u8])| -> io::Result<()> {
-            while let read @ 1.. = file.read(&mut block)? {
-                take(&block[..read]);
-                bytes += read as u64;
-            }
-            Ok(())
-        };
-        let hash = match like {
-            Hash::Xxh3(_) => {
-                let mut hash = XxHash3_128::new();
-                read(&mut |block| hash.write(block))?;
-                Hash::Xxh3(format!("{:032x}", hash.finish_128()))
-            }
-            Hash::Sha256(_) => {
-                let mut hash = Sha256::new();
-                read(&mut |block| hash.update(block))?;
-                let hash = hash.finalize();
-                Hash::Sha256(hash.iter().map(|byte| format!("{byte:02x}")).collect())
-            }
-        };
+        let mut hash = XxHash3_128::new();
+        while let read @ 1.. = file.read(&mut block)? {
+            hash.write(&block[..read]);
+            bytes += read as u64;
+        }
         if synced {
             file.sync_all()?;
         }
-        Ok(Self { bytes, hash })
+        let xxh3 = format!("{:032x}", hash.finish_128());
+        Ok(Self { bytes, xxh3 })
     }
 }
 

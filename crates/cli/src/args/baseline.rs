@@ -6,8 +6,8 @@ use clap::{Args, Subcommand};
 use pinwheel::gearbox::contacts::Kernel;
 use pinwheel::studies::baseline::Options;
 
+use super::OutArgs;
 use super::named::{Named, named};
-use super::{JsonArgs, OutArgs};
 use crate::failure::Failure;
 
 /// `pinwheel baseline`.
@@ -25,8 +25,6 @@ pub(crate) enum Action {
     Record(RecordBaselineArgs),
     /// Run the set and report changes of results, accuracy or cost.
     Check(CheckArgs),
-    /// List the baselines with the reasons for their acceptance.
-    List(ListArgs),
 }
 
 /// Selection of a baseline.
@@ -94,17 +92,6 @@ pub(crate) struct CheckArgs {
     pub(crate) running: Running,
     #[command(flatten)]
     pub(crate) out: OutArgs,
-}
-
-/// `pinwheel baseline list`.
-#[derive(Debug, Args)]
-#[command(after_help = include_str!("../../help/baseline-list.txt").trim_ascii_end())]
-pub(crate) struct ListArgs {
-    /// Folder of the baselines.
-    #[arg(long, value_name = "DIR", default_value = "reference/baselines")]
-    pub(crate) dir: PathBuf,
-    #[command(flatten)]
-    pub(crate) out: JsonArgs,
 }
 
 /// Contact loops by name.

@@ -24,7 +24,7 @@ mod solver;
 mod stability;
 mod sweep;
 
-pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
+pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
 pub(crate) use design::{DesignArgs, InitArgs};
 pub(crate) use explore::ExploreArgs;

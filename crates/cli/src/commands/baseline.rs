@@ -4,7 +4,7 @@ use pinwheel::pages;
 use pinwheel::studies::baseline::{self, Baseline, FILE, Options, Verdict, made};
 use pinwheel::studies::junit;
 
-use crate::args::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
+use crate::args::{Action, BaselineArgs, CheckArgs, RecordBaselineArgs, Which};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE};
 use crate::folder::{Folder, Request, check_junit, name_leftovers};
 use crate::progress::watched;
@@ -14,7 +14,6 @@ pub(crate) fn baseline(args: &BaselineArgs) -> Result<u8, Failure> {
     match &args.action {
         Action::Record(args) => record_baseline(args),
         Action::Check(args) => check(args),
-        Action::List(args) => list(args),
     }
 }
 
@@ -84,16 +83,4 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         Verdict::New => INCONCLUSIVE,
         _ => 0,
     })
-}
-
-fn list(args: &ListArgs) -> Result<u8, Failure> {
-    let listed = Baseline::list(&args.dir)?;
-    screen::show_or_json(&listed, || {
-        if listed.is_empty() {
-            let dir = args.dir.display();
-            return format!("no baselines in {dir}; `pinwheel baseline record` makes one");
-        }
-        pages::baseline::list(&listed)
-    })?;
-    Ok(0)
 }

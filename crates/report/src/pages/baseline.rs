@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use crate::format::{grouped, joined, relative};
 use crate::study::{self, Block, Decision, Question, Section, Study, Tile, Tone};
-use crate::terminal::{self, QUIET, TITLE, styled};
+use crate::terminal::{self, QUIET, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
-    Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Record,
-    Verdict, limits,
+    Baseline, CaseCheck, Check, CostCheck, Made, QuantityCheck, Record, Verdict, limits,
 };
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
@@ -139,20 +138,6 @@ pub fn recorded(name: &str, record: &Record) -> String {
     let kept = record.baseline.scenes.len() - record.scenes.len();
     let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
     joined("\n", lines.chain(left_out).chain(kept))
-}
-
-/// Returns the list of baselines with the reasons for their acceptance.
-pub fn list(listed: &[Listed]) -> String {
-    let mut text = String::new();
-    for one in listed {
-        let made = &one.made;
-        let (name, scenes) = (styled(TITLE, &one.name), one.scenes);
-        let when = format!("made {}, {} build, {}", made.date, made.build, made.vectors);
-        text.push_str(&format!("{name}  {scenes} scenes, {when}\n"));
-        let row = |a: &Acceptance| [" ", &a.date, &a.reason].map(str::to_owned);
-        text.push_str(&terminal::list(one.accepted.iter().map(row)));
-    }
-    text
 }
 
 /// Returns every quantity with its case.

@@ -118,19 +118,6 @@ pub struct QuantitySnapshot {
     pub statistics: Statistics,
 }
 
-/// Baseline in a list.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Listed {
-    /// Name of the baseline.
-    pub name: String,
-    /// Number of its scenes.
-    pub scenes: usize,
-    /// Program and machine that made the baseline.
-    pub made: Made,
-    /// Every acceptance, oldest first.
-    pub accepted: Vec<Acceptance>,
-}
-
 impl Baseline {
     /// Returns the folder of the baseline `name` within `dir`, the folder of all baselines.
     ///
@@ -187,23 +174,6 @@ impl Baseline {
                 path.display()
             ))),
         }
-    }
-
-    /// Lists all baselines in `dir`, sorted by name.
-    ///
-    /// # Errors
-    /// Errors of [`open`](Self::open).
-    pub fn list(dir: &Path) -> Result<Vec<Listed>, StudyError> {
-        let read = |name: String| {
-            let baseline = Self::open(dir, &name)?;
-            Ok(Listed {
-                name,
-                scenes: baseline.scenes.len(),
-                made: baseline.made,
-                accepted: baseline.accepted,
-            })
-        };
-        Self::names(dir).into_iter().map(read).collect()
     }
 
     /// Returns the names of the baselines in `folder`, sorted.

@@ -30,8 +30,7 @@ use crate::provenance::{Provenance, Summary};
 pub use cases::{SceneCase, scenes};
 pub use check::{Answer, CaseCheck, Check, check};
 pub use file::{
-    Acceptance, Baseline, CaseSnapshot, Converged, FILE, Listed, Made, QuantitySnapshot,
-    SceneSnapshot,
+    Acceptance, Baseline, CaseSnapshot, Converged, FILE, Made, QuantitySnapshot, SceneSnapshot,
 };
 pub use judge::{CostCheck, QuantityCheck, Verdict};
 pub use record::{LeftOut, Record, record};
