@@ -278,13 +278,12 @@ impl Segment {
             ..Entry::default()
         };
         if self.len == 4 {
-            let [_, a, b, c] = self.entries;
-            self.entries = [a, b, c, new];
+            self.entries.copy_within(1.., 0);
             self.cut = true;
         } else {
-            self.entries[self.len] = new;
             self.len += 1;
         }
+        self.entries[self.len - 1] = new;
         // The cubic of an inner interval extends one entry farther on each side. The last interval but one is now final, and
         // with the fourth entry of a segment all before it.
         let first = if self.cut { 2 } else { 1 };

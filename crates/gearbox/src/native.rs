@@ -249,9 +249,10 @@ fn integrate<F: Formulation>(
                 let until = time - 1e-9 * solver.step_s;
                 while stepper.time() < until {
                     advance(&mut stepper, &mut system, limits, &mut pace, watch)?;
-                    let (at, state) = (stepper.time(), stepper.evaluated_state());
-                    if let Some(observed) = state.and_then(|y| system.cached_observation(at, y))
-                        && at < until
+                    let at = stepper.time();
+                    if at < until
+                        && let Some(state) = stepper.evaluated_state()
+                        && let Some(observed) = system.cached_observation(at, state)
                     {
                         let torques = [observed.driver_torques[0], load.torque(at)];
                         recorder.record_between(&observed, torques);

@@ -36,10 +36,11 @@ pub(crate) struct Ran {
 
 impl Ran {
     fn of(py: Python<'_>, result: single::Outcome) -> Raises<Self> {
+        let results = result.results();
         Ok(Self {
-            results: to_string(&result.results())?,
+            results: to_string(&results)?,
             by_contact_law: result.bands.as_ref().map(to_string).transpose()?,
-            text: pages::single::text(&result, None),
+            text: pages::single::text(&result, &results, None),
             engine: result.engine,
             version: result.version,
             track: result.track.as_str(),

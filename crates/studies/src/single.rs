@@ -49,7 +49,7 @@ pub(crate) struct RunRecord<'a> {
     pub(crate) uncertainty: Option<&'a Uncertainty>,
     /// Results of the run with their uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
-    results: Option<Results>,
+    results: Option<&'a Results>,
     /// Figures with other contact laws and fits.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_contact_law: Option<&'a Bands>,
@@ -258,17 +258,23 @@ impl Outcome {
         Some(verified.sentence())
     }
 
-    /// Writes `run.json` and `courses.csv`, or `courses.partial.csv` if the run diverged, into the folder `dir`.
+    /// Writes `run.json` with the run's [`results`](Self::results) and `courses.csv`, or `courses.partial.csv` if the run
+    /// diverged, into the folder `dir`.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn write(&self, dir: &Path, origin: &Provenance) -> Result<(), OutputError> {
+    pub fn write(
+        &self,
+        dir: &Path,
+        origin: &Provenance,
+        results: &Results,
+    ) -> Result<(), OutputError> {
         let engine = (&*self.engine, &*self.version, self.track);
         let (ending, stats) = (&self.run.ending, &self.run.stats);
         let record = RunRecord {
             resolution: self.resolution.as_ref(),
             uncertainty: self.run.uncertainty.as_ref(),
-            results: ending.is_finished().then(|| self.results()),
+            results: ending.is_finished().then_some(results),
             by_contact_law: self.bands.as_ref(),
             ..RunRecord::new(engine, &self.scene, ending, stats, origin)
         };

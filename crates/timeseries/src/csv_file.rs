@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 use std::path::Path;
 
-use crate::table::Table;
+use crate::table::{Cell, write_rows};
 use crate::{TimeSeries, TimeSeriesError, columns};
 
 impl TimeSeries {
@@ -12,7 +12,12 @@ impl TimeSeries {
     /// # Errors
     /// Error of the writer.
     pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
-        Table::from(self).write_csv(sink)
+        let time = std::iter::once((columns::TIME, self.time_s()));
+        let channels = self.channels().iter();
+        let channels = channels.map(|channel| (channel.name.as_str(), channel.values.as_slice()));
+        let (names, columns): (Vec<&str>, Vec<&[f64]>) = time.chain(channels).unzip();
+        let cells = |row: usize| columns.iter().map(move |column| Cell::Number(column[row]));
+        write_rows(sink, names.into_iter(), (0..self.len()).map(cells))
     }
 
     /// Writes a CSV file; see [`TimeSeries::write_csv`].

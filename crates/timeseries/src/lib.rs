@@ -25,6 +25,7 @@
 pub mod columns;
 pub mod convergence;
 mod csv_file;
+mod digits;
 mod error;
 pub mod figure;
 pub mod foreign;

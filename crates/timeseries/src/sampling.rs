@@ -102,7 +102,8 @@ impl Between {
     pub fn new(names: &[&'static str], samples: usize) -> Self {
         Self {
             names: names.to_vec(),
-            intervals: vec![Vec::with_capacity(samples); names.len()],
+            // The clone of an empty list would have no capacity.
+            intervals: (names.iter().map(|_| Vec::with_capacity(samples))).collect(),
             times: Vec::with_capacity(CHUNK + POINTS),
             samples: Vec::with_capacity(CHUNK + POINTS),
             points: vec![Vec::with_capacity(CHUNK + POINTS); names.len()],

@@ -29,7 +29,7 @@ use std::io::Write;
 use serde::{Serialize, Serializer};
 
 use crate::figure::definitions::DIGITS;
-use crate::{TimeSeries, TimeSeriesError};
+use crate::{TimeSeries, TimeSeriesError, digits};
 
 /// Number of bytes of CSV that are passed on at a time.
 const BLOCK: usize = 1 << 16;
@@ -242,47 +242,59 @@ impl Table {
     ///
     /// # Errors
     /// Error of the writer.
-    pub fn write_csv(&self, mut sink: impl Write) -> Result<(), TimeSeriesError> {
+    pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         let columns: Vec<&Column> = self.named().collect();
-        let (mut text, mut digits) = (Vec::with_capacity(2 * BLOCK), zmij::Buffer::new());
-        for row in 0..=self.len() {
-            let begin = text.len();
-            for (k, column) in columns.iter().enumerate() {
-                if k > 0 {
-                    text.push(b',');
-                }
-                let cell = match row.checked_sub(1) {
-                    Some(row) => column.values.cell(row),
-                    None => Cell::Text(&column.name),
-                };
-                match cell {
-                    // A pin without contact.
-                    Cell::Number(value) if value.to_bits() == 0 => text.push(b'0'),
-                    Cell::Number(value) => {
-                        let number = digits.format(value);
-                        let number = number.strip_suffix(".0").unwrap_or(number);
-                        text.extend_from_slice(number.as_bytes());
-                    }
-                    Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
-                    Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
-                        let words = words.replace('"', "\"\"");
-                        text.extend_from_slice(format!("\"{words}\"").as_bytes());
-                    }
-                    Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
-                    Cell::Empty => {}
-                }
-            }
-            // A row of one empty cell is no empty line.
-            if text.len() == begin {
-                text.extend_from_slice(b"\"\"");
-            }
-            text.push(b'\n');
-            if text.len() > BLOCK || row == self.len() {
-                sink.write_all(&text).map_err(csv::Error::from)?;
-                text.clear();
-            }
+        let names = columns.iter().map(|column| column.name.as_str());
+        let cells = |row: usize| columns.iter().map(move |column| column.values.cell(row));
+        write_rows(sink, names, (0..self.len()).map(cells))
+    }
+}
+
+/// Writes the CSV of rows of cells under a header of names.
+pub(crate) fn write_rows<'a>(
+    mut sink: impl Write,
+    names: impl Iterator<Item = &'a str>,
+    rows: impl Iterator<Item = impl Iterator<Item = Cell<'a>>>,
+) -> Result<(), TimeSeriesError> {
+    let mut text = Vec::with_capacity(2 * BLOCK);
+    write_row(&mut text, names.map(Cell::Text));
+    for cells in rows {
+        write_row(&mut text, cells);
+        if text.len() > BLOCK {
+            sink.write_all(&text).map_err(csv::Error::from)?;
+            text.clear();
         }
-        Ok(sink.flush().map_err(csv::Error::from)?)
+    }
+    sink.write_all(&text).map_err(csv::Error::from)?;
+    Ok(sink.flush().map_err(csv::Error::from)?)
+}
+
+/// Appends a row of CSV.
+#[inline(always)]
+fn write_row<'a>(text: &mut Vec<u8>, cells: impl Iterator<Item = Cell<'a>>) {
+    let begin = text.len();
+    for cell in cells {
+        match cell {
+            // A pin without contact.
+            Cell::Number(value) if value.to_bits() == 0 => text.push(b'0'),
+            Cell::Number(value) => digits::append(text, value),
+            Cell::Integer(value) => text.extend_from_slice(value.to_string().as_bytes()),
+            Cell::Text(words) if words.contains([',', '"', '\n', '\r']) => {
+                let words = words.replace('"', "\"\"");
+                text.extend_from_slice(format!("\"{words}\"").as_bytes());
+            }
+            Cell::Text(words) => text.extend_from_slice(words.as_bytes()),
+            Cell::Empty => {}
+        }
+        text.push(b',');
+    }
+    // A row of one empty cell is no empty line.
+    if text.len() < begin + 2 {
+        text.truncate(begin);
+        text.extend_from_slice(b"\"\",");
+    }
+    if let Some(last) = text.last_mut() {
+        *last = b'\n';
     }
 }
 
@@ -505,9 +517,10 @@ impl Serialize for Row<'_> {
     }
 }
 
+/// Value of a cell.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Cell<'a> {
+pub(crate) enum Cell<'a> {
     Number(f64),
     Integer(i64),
     Text(&'a str),

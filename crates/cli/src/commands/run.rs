@@ -29,9 +29,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
                 .for_page(&gearbox, control),
         }
     })?;
-    let origin = folder.write(|dir, origin| outcome.write(dir, origin))?;
+    let results = outcome.results();
+    let origin = folder.write(|dir, origin| outcome.write(dir, origin, &results))?;
     if !args.unchecked {
-        folder.write_page(&pages::single::page(&outcome, &origin))?;
+        folder.write_page(&pages::single::page(&outcome, &results, &origin))?;
     }
     let place = folder.publish()?;
     if !args.unchecked {
@@ -49,7 +50,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
             "{diverged}; what there is until then is in {time_series}; {remedy}"
         )));
     }
-    let text = pages::single::text(&outcome, Some(&time_series.to_string()));
+    let text = pages::single::text(&outcome, &results, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
     let Manner { quiet, json, .. } = screen::manner();
     if quiet {

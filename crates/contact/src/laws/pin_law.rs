@@ -67,56 +67,53 @@ impl PinLaw {
     /// Returns forces and energy as [`NormalLaw::observed`].
     #[inline(always)]
     pub fn observed<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
-        R::observed(self, [stiffness, penetration, rate])
+        match self.pin_n_m {
+            None => self.law.observed(stiffness, penetration, rate),
+            Some(pin) => R::series(&self.law, pin, [stiffness, penetration, rate]),
+        }
     }
 }
 
 /// Numbers for which a contact on a bending pin is evaluated. The function is not inlined: it is large and has many callers.
 pub trait OnPin: Real {
-    /// Returns the force at a rate and at rest, N, and the stored energy, J, at a stiffness, a penetration and a rate.
-    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3];
+    /// Returns the force at a rate and at rest, N, and the stored energy, J, at a stiffness, a penetration and a rate, on a pin of
+    /// this stiffness, N/m.
+    fn series(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3];
 }
 
 impl OnPin for f64 {
     #[inline(never)]
-    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
-        observed(law, contact)
+    fn series(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3] {
+        series(law, pin, contact)
     }
 }
 
 impl<const N: usize> OnPin for Dual<N> {
     #[inline(never)]
-    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
-        observed(law, contact)
+    fn series(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3] {
+        series(law, pin, contact)
     }
 }
 
 impl<S: Simd> OnPin for Lanes<S> {
     #[inline(always)]
-    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
-        contact[0].simd().vectorize(Observed { law, contact })
+    fn series(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3] {
+        contact[0].simd().vectorize(Series { law, pin, contact })
     }
 }
 
-struct Observed<'a, S: Simd> {
-    law: &'a PinLaw,
+struct Series<'a, S: Simd> {
+    law: &'a Law,
+    pin: f64,
     contact: [Lanes<S>; 3],
 }
 
-impl<S: Simd> WithSimd for Observed<'_, S> {
+impl<S: Simd> WithSimd for Series<'_, S> {
     type Output = [Lanes<S>; 3];
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _simd: T) -> Self::Output {
-        observed(self.law, self.contact)
-    }
-}
-
-#[inline(always)]
-fn observed<R: Real>(law: &PinLaw, [stiffness, penetration, rate]: [R; 3]) -> [R; 3] {
-    match law.pin_n_m {
-        None => law.law.observed(stiffness, penetration, rate),
-        Some(pin) => series(&law.law, pin, [stiffness, penetration, rate]),
+        series(self.law, self.pin, self.contact)
     }
 }
 

@@ -25,8 +25,8 @@ impl Scatter {
     #[inline]
     pub(super) fn add(&mut self, time: f64, powers: Two) {
         if self.len == POINTS {
-            self.times.rotate_left(1);
-            self.powers.rotate_left(1);
+            self.times.copy_within(1.., 0);
+            self.powers.copy_within(1.., 0);
             self.len -= 1;
         }
         self.times[self.len] = time;

@@ -68,9 +68,9 @@ fn results(results: &Results, looked: bool) -> Vec<(&'static str, String)> {
 }
 
 /// Returns results, settings and cost of a finished run; `time_series`: path of its samples, if in a file.
-pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
+pub fn text(outcome: &Outcome, figures: &Results, time_series: Option<&str>) -> String {
     // Results come before settings.
-    let mut rows = results(&outcome.results(), outcome.resolution.is_some());
+    let mut rows = results(figures, outcome.resolution.is_some());
     rows.extend(settings(outcome));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
     rows.retain(|(_, text)| !text.is_empty());
@@ -78,8 +78,7 @@ pub fn text(outcome: &Outcome, time_series: Option<&str>) -> String {
 }
 
 /// Returns the page: answers, gear in motion, and time series.
-pub fn page(outcome: &Outcome, origin: &Provenance) -> String {
-    let results = outcome.results();
+pub fn page(outcome: &Outcome, results: &Results, origin: &Provenance) -> String {
     let share = results.get(&SHARE_DELIVERED);
     let share = share.map(|share| share.scaled(100.0, "%"));
     let forces = results.figures.iter();

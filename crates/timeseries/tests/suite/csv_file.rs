@@ -1,5 +1,6 @@
 //! Time series as CSV.
 
+use pinwheel_timeseries::table::Table;
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 
 #[test]
@@ -34,4 +35,30 @@ fn bad_cell_is_named() {
         TimeSeries::read_csv("t,a\n0,1\n".as_bytes()),
         Err(TimeSeriesError::NoTime)
     ));
+}
+
+/// Digits of numbers of usual size, computed in integers alone, are those of `zmij`: any bits, sums of few powers of two, whose
+/// digits end early or lie in the middle of two, the neighbours of these, and short decimals.
+#[test]
+fn digits_are_the_shortest() {
+    let mut seed = 1_u64;
+    let mut values = Vec::new();
+    for k in 0..20_000 {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(k);
+        let exponent = 1075 - (20 + (seed >> 33) % 50);
+        let any = (exponent << 52) | (seed >> 12);
+        let few = any & !((1 << (seed >> 58).min(51)) - 1);
+        values.extend([any, few - 1, few, few + 1].map(f64::from_bits));
+        let short = (seed >> 40) as f64;
+        values.extend([1.0, 16.0, -1e3, 1e4, 1e5, 1e6, 1e8].map(|by| short / by));
+    }
+    let table = Table::of("", values).number("x", "", |value| *value);
+    let (table, mut text) = (table.done(), Vec::new());
+    table.write_csv(&mut text).unwrap();
+    let text = String::from_utf8(text).unwrap();
+    let mut known = zmij::Buffer::new();
+    for (row, own) in text.lines().skip(1).enumerate() {
+        let known = known.format(table.number("x", row).unwrap());
+        assert_eq!(own, known.strip_suffix(".0").unwrap_or(known));
+    }
 }
