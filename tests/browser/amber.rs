@@ -71,8 +71,7 @@ fn map(dir: &Path, uncertainty: &str) {
     std::fs::write(dir.join("rig.toml"), map).unwrap();
 }
 
-#[test]
-fn browser_is_amber_where_nothing_confirms() {
+fn nothing_confirms() {
     browse(|browser, dir| {
         let short = "--set solver.duration_s=0.01";
         // A single engine agrees with its load, and has no partner.
@@ -139,8 +138,7 @@ fn browser_is_amber_where_nothing_confirms() {
 
 /// The answer names the difference between an engine with its own contacts and the native solver, and the contacts that
 /// explain it.
-#[test]
-fn browser_says_whose_contacts_make_the_difference() {
+fn other_contacts_are_named() {
     browse(|browser, dir| {
         let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
         // No engine confirms the scene's law.
@@ -151,4 +149,10 @@ fn browser_says_whose_contacts_make_the_difference() {
         ];
         answer.check("open", "Not confirmed", &wanted);
     });
+}
+
+#[test]
+fn browser_is_amber_where_nothing_confirms() {
+    nothing_confirms();
+    other_contacts_are_named();
 }

@@ -59,8 +59,7 @@ fn answered(browser: &mut Chromium, place: &str, text: &str, asked: &[(&str, &st
 const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
 /// A gear of a catalogue's size, an RV gear and a gear with errors.
-#[test]
-fn browser_answers_on_the_first_screen() {
+fn on_the_first_screen() {
     browse(|browser, dir| {
         assert_eq!(run_in(dir, words(INIT)).code, Some(0));
         // Engines with two reasons for omission make the terminal's answer longest.
@@ -125,8 +124,7 @@ const ASKED_OF_A_DESIGN: [(&str, &str); 11] = [
     ("what next", "pinwheel compare"),
 ];
 
-#[test]
-fn browser_answers_of_run_and_design() {
+fn of_run_and_design() {
     browse(|browser, dir| {
         assert_eq!(run_in(dir, words(INIT)).code, Some(0));
         let run = run_in(dir, words("run gear.toml --set solver.duration_s=0.004"));
@@ -144,4 +142,10 @@ fn browser_answers_of_run_and_design() {
             .collect();
         answered(browser, "design", &design.stdout, &of_table);
     });
+}
+
+#[test]
+fn browser_answers_questions() {
+    on_the_first_screen();
+    of_run_and_design();
 }

@@ -22,12 +22,15 @@ const MESSAGE: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.explore').matches('.stale')";
 const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
-/// Writes `gear.toml`, without bands by contact law and with `more`.
+/// Writes `gear.toml`, with a run of a quarter of a turn, without bands by contact law, and with `more`.
 fn init(dir: &Path, more: &str) {
     assert_eq!(run_in(dir, words(INIT)).code, Some(0));
     let file = dir.join("gear.toml");
     let scene = std::fs::read_to_string(&file).unwrap();
-    let scene = scene.replace("[contact]", "[contact]\nband_laws = []") + more;
+    let scene = scene.replace(
+        "[contact]",
+        "[solver]\nduration_s = 0.01\n[contact]\nband_laws = []",
+    ) + more;
     std::fs::write(file, scene).unwrap();
 }
 
@@ -77,7 +80,7 @@ fn browser_explores_under_a_hand() {
         assert_eq!(count, json!(15));
         for k in 0..15 {
             let slider = format!("document.querySelectorAll('.slider [type=range]')[{k}]");
-            let drawn = "[...document.querySelectorAll('.panel .uplot canvas')].map((c) => c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((h, v) => (h * 31 + v) | 0, 0)).join()";
+            let drawn = "[...document.querySelectorAll('.panel .uplot canvas')].map((c) => new Uint32Array(c.getContext('2d').getImageData(0, 0, c.width, c.height).data.buffer).reduce((h, v) => (h * 31 + v) | 0, 0)).join()";
             let before = [FIGURES, drawn].map(|script| browser.text(script));
             // The profile is undercut soon with a larger eccentricity or pin. A rigid bearing's slider stands at its end.
             // Numbers of pins and discs are integers.
@@ -212,8 +215,7 @@ fn typed(browser: &mut Chromium, slider: &str) -> String {
 }
 
 /// Keys, undo, links, files, and the effect of stated tolerances.
-#[test]
-fn browser_explores_by_numbers_steps_and_links() {
+fn by_numbers_steps_and_links() {
     browse(|browser, dir| {
         assert_eq!(run_in(dir, words(INIT)).code, Some(0));
         let file = dir.join("gear.toml");
@@ -301,8 +303,7 @@ fn browser_explores_by_numbers_steps_and_links() {
 
 /// Balances of a gear on elastic bearings take longer than its run: the page shows that they are being computed, and never
 /// another state's.
-#[test]
-fn browser_says_what_is_still_computed() {
+fn says_what_is_still_computed() {
     browse(|browser, dir| {
         init(
             dir,
@@ -354,4 +355,10 @@ fn browser_says_what_is_still_computed() {
             assert!(dir.join("gear.toml").exists());
         }
     });
+}
+
+#[test]
+fn browser_explores_by_numbers_while_it_computes() {
+    by_numbers_steps_and_links();
+    says_what_is_still_computed();
 }

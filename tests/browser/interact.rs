@@ -13,9 +13,9 @@ pub(crate) const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !docum
 pub(crate) fn place(browser: &mut Chromium, element: &str) -> [f64; 4] {
     // Elements above may still be drawn and move it, so the position is read at rest.
     let script = format!(
-        "(async () => {{ const e = {element}; let before = ''; for (let k = 0; k < 60; k += 1) {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
+        "(async () => {{ const e = {element}; let before = ''; for (let k = 0; k < 150; k += 1) {{ e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
          const b = e.getClientRects()[0] || new DOMRect(); const now = [b.x + b.width / 2, b.y + b.height / 2, b.width, b.height]; \
-         if (b.width && now.join() === before) return now; before = now.join(); await new Promise((r) => setTimeout(r, 40)); }} }})()"
+         if (b.width && now.join() === before) return now; before = now.join(); await new Promise((r) => setTimeout(r, 16)); }} }})()"
     );
     let bounds = browser.evaluate(&script);
     [0, 1, 2, 3].map(|k| bounds[k].as_f64().unwrap())

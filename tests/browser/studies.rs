@@ -25,8 +25,7 @@ fn summary(page: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap()
 }
 
-#[test]
-fn browser_shows_the_bench_and_the_stability() {
+fn the_bench_and_the_stability() {
     browse(|browser, dir| {
         let typed = "bench paper --engines native,rapier-shared-law --methods rk4,dopri5 --repeats 1 \
                      --set solver.duration_s=0.005";
@@ -49,8 +48,7 @@ fn browser_shows_the_bench_and_the_stability() {
 }
 
 /// A map of two axes; of three, a panel, with its value, for each value of the third.
-#[test]
-fn browser_shows_sweeps() {
+fn sweeps() {
     browse(|browser, dir| {
         let sweep = "name = \"small\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n[vary]\n\
                      gear.backlash_m = [0.0, 2.0e-4, 4.0e-4]\ncontact.damping_n_s_m = [8.0, 64.0]\n";
@@ -104,8 +102,7 @@ fn browser_shows_sweeps() {
 }
 
 /// Measured data come first: drawn, with residual and uncertainty budget, and with the changes of their times.
-#[test]
-fn browser_shows_measured_data() {
+fn measured_data() {
     browse(|browser, dir| {
         let scene = "base = \"paper\"\nname = \"rigged\"\n[solver]\nduration_s = 0.02\nstep_s = 1e-5\n[uncertain]\n\
                      contact.stiffness_multiplier = { plus_minus = 5e-4 }\n";
@@ -154,8 +151,7 @@ fn decided(browser: &mut Chromium) -> Value {
 }
 
 /// The four questions of a decision, and curves of one engine, which differs from nothing.
-#[test]
-fn browser_shows_a_run() {
+fn a_run() {
     browse(|browser, dir| {
         let page = page(dir, "run paper --set solver.duration_s=0.02");
         flawless(browser, &page, [1, 1, 3]);
@@ -173,8 +169,7 @@ fn browser_shows_a_run() {
     });
 }
 
-#[test]
-fn browser_shows_a_design() {
+fn a_design() {
     browse(|browser, dir| {
         flawless(browser, &page(dir, "design printed-drive"), [7, 1, 6]);
         // Names in backticks are code, in the lead too.
@@ -183,8 +178,7 @@ fn browser_shows_a_design() {
     });
 }
 
-#[test]
-fn browser_shows_two_designs() {
+fn two_designs() {
     browse(|browser, dir| {
         // Other numbers of pins, and a name of maximal length with markup characters.
         let name = format!("loose & <b>{}", "long-".repeat(17));
@@ -232,8 +226,7 @@ fn browser_shows_two_designs() {
     });
 }
 
-#[test]
-fn browser_shows_a_baseline() {
+fn a_baseline() {
     browse(|browser, dir| {
         let accepted = dir.join("baselines/accepted");
         fs::create_dir_all(&accepted).unwrap();
@@ -254,8 +247,7 @@ fn browser_shows_a_baseline() {
     });
 }
 
-#[test]
-fn browser_shows_the_paper() {
+fn the_paper() {
     browse(|browser, dir| {
         let page = page(dir, "paper --figures 9");
         flawless(browser, &page, [2, 1, 9]);
@@ -279,4 +271,24 @@ fn browser_shows_the_paper() {
         let time_series = fs::read_to_string(page.with_file_name("fig-09a/courses.csv")).unwrap();
         assert!(time_series.starts_with("time_s,") && time_series.lines().count() > 1000);
     });
+}
+
+#[test]
+fn browser_shows_runs_and_designs() {
+    a_run();
+    a_design();
+    two_designs();
+}
+
+#[test]
+fn browser_shows_sweeps_benches_and_baselines() {
+    sweeps();
+    the_bench_and_the_stability();
+    a_baseline();
+}
+
+#[test]
+fn browser_shows_measured_data_and_the_paper() {
+    measured_data();
+    the_paper();
 }

@@ -66,13 +66,13 @@ fn agree(gears: &[toml::Table]) {
 
 #[test]
 fn crossval_cycloidgen() {
-    agree(&recording()[..2]);
+    agree(&recording()[..1]);
 }
 
 #[test]
-#[ignore = "weekly: 12 s for one gear more"]
-fn crossval_cycloidgen_forty_pins() {
-    agree(&recording()[2..]);
+#[ignore = "weekly: 15 s for two gears more"]
+fn crossval_cycloidgen_of_other_gears() {
+    agree(&recording()[1..]);
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

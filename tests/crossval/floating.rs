@@ -143,11 +143,6 @@ const STRUCTURE: &[(&str, &[(&str, &str)])] = &[(
     ],
 )];
 
-#[test]
-fn crossval_structure_that_gives_way() {
-    agree(STRUCTURE, true);
-}
-
 /// Ring pins that do not turn beside sleeves with both frictions, on discs that float; and output pins that do not turn. All from balance:
 /// everything slides under the full load from the first step on.
 const PINS: &[(&str, &[(&str, &str)])] = &[
@@ -175,11 +170,6 @@ const PINS: &[(&str, &[(&str, &str)])] = &[
     ),
 ];
 
-#[test]
-fn crossval_pins_that_do_not_turn() {
-    agree(PINS, true);
-}
-
 /// The ring as output, on its bearings and on cranks, and with ring pins that it holds. Its inertia is of its size: rapier diverges where
 /// the ring is light beside its pins.
 const RINGS: &[(&str, &[(&str, &str)])] = &[
@@ -205,11 +195,6 @@ const RINGS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
 ];
-
-#[test]
-fn crossval_a_ring_that_is_the_output() {
-    agree(RINGS, true);
-}
 
 /// Contacts of their own on a ring that is the output. Measured, relative L2 of the ring pins' forces over 50 ms: 4.1e-4 and 4.9 %
 /// (8.7 % of the gear on its carrier), times 3; the mean torque of colliders, 4.1 %, times 3.
@@ -239,12 +224,12 @@ fn crossval_own_contacts_of_a_ring() {
 
 #[test]
 fn crossval_floating_discs() {
-    agree(&GEARS[..2], true);
+    agree(&[STRUCTURE, PINS, &GEARS[..2]].concat(), true);
 }
 
 #[test]
-fn crossval_floating_cranks() {
-    agree(&GEARS[2..OFTEN], true);
+fn crossval_floating_cranks_and_rings() {
+    agree(&[RINGS, &GEARS[2..OFTEN]].concat(), true);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use pinwheel_engines::python::law_agreement;
 
 use super::*;
 
-/// The law in Rust and the one in numpy, an independent implementation of the paper's equations, at 1 000 random states.
+/// The law in Rust and the one in numpy, an independent implementation of the paper's equations, at 300 random states.
 ///
 /// A penetration is a difference of lengths of 64 mm, accurate to 1.4e-17 m, so a force is accurate to its slope times
 /// that. Measured over that bound: at most 1.45; over the largest force: 1.2e-12, and 1.2e-11 for steel, whose penetrations
@@ -43,9 +43,9 @@ fn crossval_python_law_in_numpy() {
         ("modified", vec![rollers], 2e-11),
     ] {
         let scene = scene(preset, &settings);
-        let agreement = law_agreement(&scene.clone().check().unwrap(), 1_000, 1).unwrap();
+        let agreement = law_agreement(&scene.clone().check().unwrap(), 300, 1).unwrap();
         println!("{preset} {settings:?}: {agreement:?}");
-        assert!(agreement.loaded > 500, "states that say nothing");
+        assert!(agreement.loaded > 150, "states that say nothing");
         assert!(agreement.ambiguous < 2, "{agreement:?}");
         assert_within(preset, agreement.worst_n / agreement.largest_n, largest);
         assert_within("roundings", agreement.worst_over_rounding, 3.0);

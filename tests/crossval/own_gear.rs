@@ -71,7 +71,7 @@ fn crossval_python_own_gear_shared_law() {
 /// Wave forms from equilibrium, both peers, against a native run with equally stiff balls. Measured at most 5.8e-2, 1.4e-3,
 /// 1.3e-2 and 4.4e-3.
 fn own_contact(text: &str) {
-    for (engine, samples) in [(MUJOCO_OWN, 150.0), (EXUDYN_OWN, 300.0)] {
+    for (engine, samples) in [(MUJOCO_OWN, 75.0), (EXUDYN_OWN, 300.0)] {
         let scene = gear(text, samples, Start::Equilibrium);
         let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
         let twin = OwnContact::Balls.twin(&gearbox).unwrap().unwrap();

@@ -57,8 +57,9 @@ fn assert_close(
     }
 }
 
+/// Compares means over a turn of the input after the start-up.
 fn assert_mean(time_series: &TimeSeries, reference: &TimeSeries, quantity: &str, limit: f64) {
-    let [got, wanted] = [time_series, reference].map(|run| mean(run, quantity, 0.3, 0.42));
+    let [got, wanted] = [time_series, reference].map(|run| mean(run, quantity, 0.25, 0.313));
     let error = (got / wanted - 1.0).abs();
     println!("mean {quantity}: {got:.5} against {wanted:.5}, {error:.2e} (limit {limit:.1e})");
     assert!(error < limit, "mean {quantity}: {got} against {wanted}");
@@ -235,7 +236,7 @@ fn crossval_rapier_hook_with_light_sleeves() {
 fn crossval_rapier_colliders_means_of_other_gears() {
     for preset in ["eleven-pins", "backlash-0.6"] {
         println!("{preset}");
-        let scene = scene(preset, &[("solver.duration_s", "0.42")]);
+        let scene = scene(preset, &[("solver.duration_s", "0.313")]);
         let time_series = run(COLLIDERS, &scene);
         let reference = native(&scene, "rk4", 1e-5);
         for quantity in TORQUES {
@@ -475,7 +476,7 @@ fn crossval_rapier_colliders_deviations() {
             &[
                 ("contact.stiffness_multiplier", "0.01"),
                 ("drive.start", "kinematic"),
-                ("solver.duration_s", "0.42"),
+                ("solver.duration_s", "0.313"),
                 ("solver.sample_s", "1e-4"),
             ],
         );

@@ -181,7 +181,7 @@ fn ticks(served: &Served) -> u64 {
 /// A run of many seconds delays no other request, and ends with its client.
 #[cfg(target_os = "linux")]
 #[test]
-fn hard_explore_answers_1500_mutated_questions_while_a_slow_run_goes_on() {
+fn hard_explore_answers_500_mutated_questions_while_a_slow_run_goes_on() {
     use std::io::{Read as _, Write as _};
     let dir = tempfile::tempdir().unwrap();
     let served = Served::of(dir.path(), "steel", "0");
@@ -223,7 +223,7 @@ fn hard_explore_answers_1500_mutated_questions_while_a_slow_run_goes_on() {
         (state >> 33) as usize % most.max(1)
     };
     let (mut slowest, mut answered) = (std::time::Duration::ZERO, 0);
-    for k in 0..1500 {
+    for k in 0..500 {
         if slow.read(&mut [0]).is_ok() {
             slow = run();
         }
@@ -255,9 +255,9 @@ fn hard_explore_answers_1500_mutated_questions_while_a_slow_run_goes_on() {
         answered += usize::from(answer.starts_with(b"HTTP/1.1 200"));
         slowest = slowest.max(begun.elapsed());
     }
-    println!("1500 questions, {answered} answered with 200, slowest {slowest:?}");
+    println!("500 questions, {answered} answered with 200, slowest {slowest:?}");
     assert!(
-        answered > 100 && slowest.as_secs_f64() < 5.0,
+        answered > 30 && slowest.as_secs_f64() < 5.0,
         "{answered} {slowest:?}"
     );
     assert_eq!(asked(&served, "GET /status", &cookie, "").0, "200");

@@ -39,11 +39,11 @@ impl<const N: usize> Dual<N> {
     /// Returns the variables at these values.
     #[inline(always)]
     pub fn variables(values: [f64; N]) -> [Self; N] {
-        std::array::from_fn(|k| {
-            let mut variable = Self::constant(values[k]);
+        let mut variables = values.map(Self::constant);
+        for (k, variable) in variables.iter_mut().enumerate() {
             variable.by[k] = 1.0;
-            variable
-        })
+        }
+        variables
     }
 
     /// Chain rule: returns this function with its variables replaced by the functions `own` of other variables.
@@ -58,16 +58,26 @@ impl<const N: usize> Dual<N> {
         };
         Dual {
             value: self.value,
-            by: std::array::from_fn(by),
+            by: each(by),
         }
     }
 
     /// Returns a function of this number, from its value and its slope there.
     #[inline(always)]
     fn map(self, value: f64, slope: f64) -> Self {
-        let by = self.by.map(|x| slope * x);
+        let by = each(|k| slope * self.by[k]);
         Self { value, by }
     }
+}
+
+/// Returns a formula's value for each variable. The standard library's `from_fn` calls the formula instead of inlining it.
+#[inline(always)]
+fn each<const N: usize>(formula: impl Fn(usize) -> f64) -> [f64; N] {
+    let mut values = [0.0; N];
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = formula(k);
+    }
+    values
 }
 
 impl<const N: usize> Add for Dual<N> {
@@ -76,7 +86,7 @@ impl<const N: usize> Add for Dual<N> {
     fn add(self, other: Self) -> Self {
         Self {
             value: self.value + other.value,
-            by: std::array::from_fn(|k| self.by[k] + other.by[k]),
+            by: each(|k| self.by[k] + other.by[k]),
         }
     }
 }
@@ -87,7 +97,7 @@ impl<const N: usize> Sub for Dual<N> {
     fn sub(self, other: Self) -> Self {
         Self {
             value: self.value - other.value,
-            by: std::array::from_fn(|k| self.by[k] - other.by[k]),
+            by: each(|k| self.by[k] - other.by[k]),
         }
     }
 }
@@ -99,7 +109,7 @@ impl<const N: usize> Mul for Dual<N> {
     fn mul(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,
-            by: std::array::from_fn(|k| self.by[k] * other.value + self.value * other.by[k]),
+            by: each(|k| self.by[k] * other.value + self.value * other.by[k]),
         }
     }
 }
@@ -111,7 +121,7 @@ impl<const N: usize> Div for Dual<N> {
         let (value, inverse) = (self.value / other.value, 1.0 / other.value);
         Self {
             value,
-            by: std::array::from_fn(|k| (self.by[k] - value * other.by[k]) * inverse),
+            by: each(|k| (self.by[k] - value * other.by[k]) * inverse),
         }
     }
 }

@@ -800,7 +800,7 @@ fn names_a_step_over_a_jump() {
     assert!(located(&RIGHT, &scene, 0.01).unwrap().first().is_none());
 }
 
-/// No stage is off where nothing is wrong, at twice the step too.
+/// No stage is off where nothing is wrong, by the finer of two methods, and by the coarser at twice the step.
 #[test]
 fn accuses_nobody() {
     let friction = [
@@ -822,25 +822,19 @@ fn accuses_nobody() {
         ("steel", &[]),
     ] {
         let scene = scene(preset, sets);
-        for longer in [1.0, 2.0] {
-            for method in [("rk4", 4.0), ("rk2", 2.0)] {
-                let report = located(
-                    &Solver {
-                        longer,
-                        method,
-                        ..RIGHT
-                    },
-                    &scene,
-                    0.0,
-                )
-                .unwrap();
-                assert_eq!(
-                    report.first(),
-                    None,
-                    "{preset} by {longer}: {}",
-                    report.sentence()
-                );
-            }
+        for (longer, method) in [(1.0, ("rk4", 4.0)), (2.0, ("rk2", 2.0))] {
+            let solver = Solver {
+                longer,
+                method,
+                ..RIGHT
+            };
+            let report = located(&solver, &scene, 0.0).unwrap();
+            assert_eq!(
+                report.first(),
+                None,
+                "{preset} by {longer}: {}",
+                report.sentence()
+            );
         }
     }
 }
@@ -850,7 +844,7 @@ fn accuses_nobody() {
 fn judges_random_gears() {
     let wrong = with(|s| s.fault = Some(Fault::Stiffness));
     let (mut judged, mut named) = (0, 0);
-    for number in 0..12 {
+    for number in 0..8 {
         let Some(mut scene) = gear(number) else {
             continue;
         };
@@ -881,7 +875,7 @@ fn judges_random_gears() {
             report.sentence()
         );
     }
-    assert!(named >= 6 && named + 1 >= judged, "{named} of {judged}");
+    assert!(named >= 4 && named + 1 >= judged, "{named} of {judged}");
 }
 
 const ENGINES: [&str; 6] = [

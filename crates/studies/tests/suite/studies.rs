@@ -350,17 +350,16 @@ fn errors_show_at_their_own_orders() {
 /// the uncertainties of both. 24 poses that met few places of the mesh were off by up to 3e6 of them.
 #[test]
 fn regress_a_shift_of_all_phases_changes_no_figure() {
-    let random = gears::gear(3001).unwrap();
-    shifted([random, scene("paper", &[])]);
+    shifted(&[gears::gear(3001).unwrap()]);
 }
 
 #[test]
-#[ignore = "weekly: 4 s for a modified profile"]
-fn regress_a_shift_of_all_phases_changes_no_figure_of_a_modified_profile() {
-    shifted([scene("modified", &[]), scene("eleven-pins", &[])]);
+#[ignore = "weekly: 6 s for three presets"]
+fn regress_a_shift_of_all_phases_changes_no_figure_of_presets() {
+    shifted(&["paper", "modified", "eleven-pins"].map(|preset| scene(preset, &[])));
 }
 
-fn shifted(scenes: [Scene; 2]) {
+fn shifted(scenes: &[Scene]) {
     let figures = |scene: &Scene, phase_rad: f64| {
         let mut scene = scene.clone();
         let wheels = scene.gear.wheels;
@@ -370,7 +369,8 @@ fn shifted(scenes: [Scene; 2]) {
         design::run(&gearbox, false, &Control::quiet()).ok()
     };
     let (mut count, mut outside) = (0, Vec::new());
-    for mut scene in scenes {
+    for scene in scenes {
+        let mut scene = scene.clone();
         scene.gear.errors = Scene::paper().gear.errors;
         let (Some(one), Some(other)) = (figures(&scene, 0.0), figures(&scene, 0.02)) else {
             continue;
@@ -391,7 +391,7 @@ fn shifted(scenes: [Scene; 2]) {
         }
     }
     assert!(
-        count > 30 && outside.len() * 50 <= count,
+        count > 15 * scenes.len() && outside.len() * 50 <= count,
         "of {count}: {outside:#?}"
     );
 }
