@@ -14,7 +14,6 @@ use pinwheel_compare::{Context, Divergence, Evidence, Participant};
 use pinwheel_engines::kept::{self, Store};
 use pinwheel_engines::{Engine, needs};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::Scene;
 
 use super::outlook::{Foretold, Outlook, left_s};
 use super::refine::refine;
@@ -154,7 +153,6 @@ impl<'a> Board<'a> {
         lanes: &Lanes<'_>,
         control: &'a Control<'a>,
     ) -> Self {
-        let is_paper = *gearbox.scene == Scene::paper();
         let lane = |engine: &&'a dyn Engine| {
             let info = engine.info();
             // Python installs its packages at the first run; a user's solver is asked once.
@@ -166,7 +164,7 @@ impl<'a> Board<'a> {
             Lane {
                 name: engine.name(),
                 outlook: Outlook {
-                    measured: stored.is_some() || is_paper && !info.brought,
+                    measured: stored.is_some(),
                     ..Outlook::usual(stored.unwrap_or(usual_s))
                 },
             }

@@ -5,8 +5,8 @@
 //!  ──> if its end did not move by more than a third of it since half of the time, and is not near
 //! ```
 
-/// Largest share of a shown remaining time that may belong to engines without a report or costs of the scene. Usual costs are
-/// costs of `paper`; in five live comparisons they were off by factors of 1 to 265.
+/// Largest share of a shown remaining time that may belong to engines without a report or stored costs of the scene. Usual costs
+/// are costs of `paper`; in five live comparisons they were off by factors of 1 to 265.
 const UNREPORTED: f64 = 0.3;
 /// Least remaining time over the elapsed one that is shown. Differences, which follow the engines, took up to 0.07 of it.
 const NEAR: f64 = 0.2;

@@ -62,7 +62,7 @@ fn at(&(usual_s, begun_s, runs): &Lane, now_s: f64) -> Outlook {
 enum Costs {
     /// Usual costs.
     Usual,
-    /// Usual costs of `paper`, or stored costs equal to them: 1.6 to 2.9 times as fast as in the recording.
+    /// Stored costs of the scene, equal to the usual ones of `paper`: 1.6 to 2.9 times as fast as in the recording.
     Kept,
     /// Stored costs of the scene, equal to those of the recording.
     Same,
