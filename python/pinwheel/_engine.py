@@ -129,7 +129,8 @@ class Job:
     ) -> None:
         """Takes the next sample of a solver with contacts of its own: the sizes of all pins' forces, N."""
         time_s = float(self.times_s[self._recorder.count])
-        self._recorder.record_forces(driver_torque_n_m, output_torque_n_m, output_angle_rad, external_n, internal_n)
+        forces = np.concatenate([external_n, internal_n])
+        self._recorder.record_forces(driver_torque_n_m, output_torque_n_m, output_angle_rad, forces)
         if self._stop(time_s):
             raise Cancelled
 

@@ -24,11 +24,14 @@ import numpy.typing as npt
 
 from pinwheel_engines.errors import FrozenForces, Unsupported
 from pinwheel_engines.law import ContactLaw
-from pinwheel_engines.layout import Layout
+from pinwheel_engines.layout import Kinematics, Layout
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.intp]
 
+# MuJoCo's callbacks, and the compiled one.
+CALLBACK_TYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 _LAW_TYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p)
 
 
@@ -37,15 +40,55 @@ class LawPointer:
     """A compiled contact law.
 
     `function`: address of the C function above; `context`: its first argument.
-    `attach_mujoco`: optional; gets the layout of `pinwheel_engines.mujoco.shared_law.mujoco_layout` and returns the
-    address of a C function `void(const mjModel *, mjData *)` which adds the contact torques itself, or None to decline.
-    `detach_mujoco` is called when the run is over, whatever happened; after it the layout's addresses are stale.
+    `attach`: optional; gets the layout of `joint_layout` and returns the address of a C function
+    `void(const void *, void *data)`, MuJoCo's `mjcb_passive`, which adds the contact torques itself, or None to decline.
+    `detach` is called when the run is over, whatever happened; after it the layout's addresses are stale.
     """
 
     function: int
     context: int
-    attach_mujoco: Callable[[dict[str, Any]], int | None] | None = None
-    detach_mujoco: Callable[[], None] | None = None
+    attach: Callable[[dict[str, Any]], int | None] | None = None
+    detach: Callable[[], None] | None = None
+
+
+def joint_layout(
+    kinematics: Kinematics, coordinate: Integers, data: int, angles: Floats, rates: Floats, torques: Floats
+) -> dict[str, Any]:
+    """Addresses of an engine's arrays for a compiled callback; all addresses stay valid until the run ends.
+
+    Addresses (integers): `qpos`, `qvel`, `qfrc_passive` (doubles, `coordinates` of each), `counters` (two 64-bit integers,
+    to be incremented by the callback: calls, and calls whose qpos or qvel differ from the call before), `data` (second
+    argument of the callback, which tells runs apart: it is process-wide and must leave any other one alone).
+    Lists, one entry a body: `coordinate` (its hinge's index in the three arrays), `carrier` (body it sits on, -1 for the
+    ground; its absolute angle is its hinge's plus its carrier's), `offset_x_m`, `offset_y_m` (its centre on its carrier).
+    The callback adds to `qfrc_passive`, per hinge, the torques of `Kinematics.relative_torques`.
+    """
+    counters = np.zeros(2, dtype=np.int64)
+    return {
+        "bodies": kinematics.layout.bodies,
+        "coordinates": angles.size,
+        "qpos": int(angles.ctypes.data),
+        "qvel": int(rates.ctypes.data),
+        "qfrc_passive": int(torques.ctypes.data),
+        "data": data,
+        "counters": int(counters.ctypes.data),
+        "counters_array": counters,
+        "coordinate": coordinate.tolist(),
+        "carrier": kinematics.carriers.tolist(),
+        "offset_x_m": kinematics.offsets.real.tolist(),
+        "offset_y_m": kinematics.offsets.imag.tolist(),
+    }
+
+
+def attached(scene: Scene, law: LawPointer | None, layout: dict[str, Any]) -> int | None:
+    """Address of the compiled callback of a layout; None without one, and for slides: it knows hinges alone."""
+    return None if law is None or law.attach is None or scene.floats else law.attach(layout)
+
+
+def detach(law: LawPointer | None) -> None:
+    """Makes the layout's addresses stale."""
+    if law is not None and law.detach is not None:
+        law.detach()
 
 
 class StageLaw:

@@ -102,13 +102,14 @@ class Recorder:
     def record(self, states: Floats, loads: Floats, input_torque_n_m: float) -> None:
         """Takes one sample from the bodies' states and contact loads; samples come in order."""
         self.recorded = True
-        self.states[self.count] = [states[place] for place in self.places.values()]
+        if self.places:
+            self.states[self.count] = [states[place] for place in self.places.values()]
+        pins = loads[self.kinematics.layout.external_bodies.start :]
         self.record_forces(
             input_torque_n_m,
             self.kinematics.output_torque(states, loads),
             float(states[1, 2]),
-            np.hypot(loads[self.kinematics.layout.external_bodies, 0], loads[self.kinematics.layout.external_bodies, 1]),
-            np.hypot(loads[self.kinematics.layout.internal_bodies, 0], loads[self.kinematics.layout.internal_bodies, 1]),
+            np.hypot(pins[:, 0], pins[:, 1]),
         )
 
     def record_forces(
@@ -116,13 +117,12 @@ class Recorder:
         input_torque_n_m: float,
         output_torque_n_m: float,
         output_angle_rad: float,
-        external_n: Floats,
-        internal_n: Floats,
+        forces_n: Floats,
     ) -> None:
-        """Takes one sample of the contract's quantities."""
+        """Takes one sample of the contract's quantities; `forces_n` are those of the ring pins, then of the output pins."""
         row = self.table[self.count]
         row[:4] = self.times_s[self.count], input_torque_n_m, output_torque_n_m, output_angle_rad
-        row[4:] = np.concatenate([external_n, internal_n])
+        row[4:] = forces_n
         self.count += 1
 
     def columns(self) -> dict[str, Floats]:

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged
-from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
+from pinwheel_engines.exudyn.session import VERSION, Coordinates, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import LAWS, ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
@@ -68,13 +68,16 @@ def run(
     progress = {"steps": 0}
     drift = {"m": 0.0}
     count = kinematics.layout.bodies
+    coordinates = Coordinates(3 * count)
+    by_body = coordinates.values.reshape(2, count, 3).transpose(1, 0, 2)
 
-    def force(_system: Any, time_s: float, _item: int, q: Floats, q_t: Floats) -> Floats:
-        stage_law.states[:, :3] = np.asarray(q).reshape(count, 3)
-        stage_law.states[:, 3:] = np.asarray(q_t).reshape(count, 3)
-        loads = stage_law.evaluate(time_s).copy()
-        loads[OUTPUT, 2] += load.piece.load_n_m(time_s)
-        return loads.ravel()
+    def force(_system: Any, time_s: float, _item: int, q: Any, q_t: Any) -> list[float]:
+        coordinates.take(q, q_t)
+        stage_law.states.reshape(count, 2, 3)[:] = by_body
+        # exudyn reads a list faster than an array.
+        loads: list[float] = stage_law.evaluate(time_s).ravel().tolist()
+        loads[3 * OUTPUT + 2] += load.piece.load_n_m(time_s)
+        return loads
 
     jacobian = _jacobian(scene, count)
     with quiet_session():

@@ -17,9 +17,18 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
+from pinwheel_engines.border import (
+    CALLBACK_TYPE,
+    LawPointer,
+    StageLaw,
+    attached,
+    check_bearings,
+    check_not_frozen,
+    detach,
+    joint_layout,
+)
 from pinwheel_engines.errors import Cancelled, Diverged
-from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
+from pinwheel_engines.exudyn.session import VERSION, Coordinates, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
@@ -77,10 +86,29 @@ def run(
             states[wheels, 3:5] = velocities[:sliding].reshape(-1, 2)
         return angles, rates
 
+    count = kinematics.layout.bodies + sliding
+    # Hinges alone, with a compiled law: Python copies numbers and computes nothing.
+    hinges, torques = Coordinates(count), np.zeros(count)
+    data, (angles, rates) = int(torques.ctypes.data), hinges.values
+    layout = joint_layout(kinematics, np.arange(count), data, angles, rates, torques)
+    address = attached(scene, law, layout)
+    add_torques = CALLBACK_TYPE(address or 0)
+
+    def force_directly(_system: Any, time_s: float, _item: int, q: Any, q_t: Any) -> list[float]:
+        hinges.take(q, q_t)
+        torques.fill(0.0)
+        torques[OUTPUT] = load.piece.load_n_m(time_s)
+        add_torques(None, data)
+        # exudyn reads a list faster than an array.
+        return torques.tolist()
+
+    def counts() -> tuple[int, int]:
+        calls, changes = layout["counters_array"].tolist()
+        return stage_law.calls + calls, stage_law.changes + changes
+
     with quiet_session():
         container = exu.SystemContainer()
         system = container.AddSystem()
-        count = kinematics.layout.bodies + sliding
         states = initial_states(scene, initial)
 
         def joints(place: slice, angle: int) -> list[float]:
@@ -95,7 +123,8 @@ def run(
                 numberOfODE2Coordinates=count,
             )
         )
-        _add_tree(system, scene, kinematics, node, kept.function(force, np.zeros(count)))
+        function = kept.function(force if address is None else force_directly, np.zeros(count))
+        _add_tree(system, scene, kinematics, node, function)
         system.Assemble()
 
         def sample(time_s: float) -> None:
@@ -116,12 +145,13 @@ def run(
             stats = RunStats(
                 wall_s=time.perf_counter() - wall,
                 cpu_s=time.thread_time() - cpu,
-                rhs_calls=stage_law.calls,
+                rhs_calls=counts()[0],
                 steps=progress["steps"],
                 degrees_of_freedom=count,
                 bodies=count,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"KinematicTree, RK44, {stage_law.name}, driver as rotor inertia {driver_kg_m2:g} kg m^2",
+                settings=f"KinematicTree, RK44, {stage_law.name}{'' if address is None else ' called directly'}, "
+                f"driver as rotor inertia {driver_kg_m2:g} kg m^2",
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )
             return Result(NAME, recorder.columns(), stats)
@@ -132,10 +162,12 @@ def run(
             solver = exu.DynamicSolverType.RK44
             progress["steps"] = solve(NAME, system, parts, kept, solver, sample, begin=load.begin)
             # Four stages; the evaluation at the end of a step serves the next one's acceleration as well.
-            check_not_frozen(NAME, progress["steps"], 4, stage_law.calls, stage_law.changes)
+            check_not_frozen(NAME, progress["steps"], 4, *counts())
         except Diverged as error:
             error.partial = finish()
             raise
+        finally:
+            detach(law)
         return finish()
 
 

@@ -2,16 +2,17 @@
 
 exudyn finds the contacts and computes their forces; no code of ours runs in the step.
 - Output pins: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
-- Ring pins: `ObjectContactCurveCircles`, for each disc and pin one of all segments of the edge that are
-  equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the pin during
-  the run are given to it. A segment is pressed as its nearest point is, so that full-length ones would go deeper than the
-  edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
+- Ring pins: `ObjectContactCurveCircles`, one for each disc and pin, of all segments of the edge that can reach the pin
+  during the run: each is a linear spring of the bed (see `bed`). A segment is pressed as its nearest point is, so that
+  full-length ones would go deeper than the edge (by 10 % of the force with 14 in a contact): they are about a hundredth as
+  long as they are apart, and as much stiffer. exudyn multiplies the stiffness by the length, which carries its local factor.
   exudyn looks at each in every stage, so that a run is made of pieces, each of a system that knows the near segments alone.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
   it acts: with the edge's normal rate v_n = l_j (disc rate - ideal rate) and C v_n at every loaded pin, the disc feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
-Kinematic trees (input with discs, output with its pins, every ring pin by itself: a short tree makes cheap
-markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e16 discs.
+Kinematic trees (input with discs, all others by themselves: a short tree makes cheap markers, and a curve contact fails
+on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e16 discs. Nothing turns an output pin on its hinge:
+its mass is a rotor inertia on the output, and it turns as a tree of its own.
 """
 
 from __future__ import annotations
@@ -59,10 +60,8 @@ NAME = "exudyn-own-contact"
 DRIVER_WHEELS = 1.0e16
 # Least springs along an edge, and within the nominal contact.
 SEGMENTS, SEGMENTS_IN_CONTACT = 4000, 7
-# Length of a segment as a share of the distance to the next.
+# Length of a segment of local factor 1 as a share of the distance to the next.
 LENGTH = 0.01
-# Steps in which the local stiffness is followed, as a share: each costs one more contact a disc and pin.
-STIFFNESS_STEP = 0.02
 # Pieces of a run a turn of the input.
 PIECES = 16
 # Largest turn of a disc from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
@@ -95,12 +94,11 @@ def leeway_rad(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class _Edge:
-    """The springs of an edge: ends of the segments, m, the parameters of their middles, and factors on their stiffness."""
+    """The springs of an edge: ends of the segments, m, and the parameters of their middles."""
 
     starts: Complexes
     ends: Complexes
     parameters: Floats
-    local: Floats
     # Segments that a pin may touch on either side of its foot at the ideal mesh.
     margin: float
 
@@ -110,11 +108,10 @@ class _Edge:
         a, spacing = equal_arcs(scene, segments)
         middles = edge(scene, a)
         along = np.roll(middles, -1) - np.roll(middles, 1)
-        reach = 0.5 * LENGTH * spacing * along / np.abs(along)
-        local = STIFFNESS_STEP * np.round(local_stiffness(scene, segments) / STIFFNESS_STEP)
+        reach = 0.5 * LENGTH * spacing * local_stiffness(scene, segments) * along / np.abs(along)
         # Contacts in pits are wider than on straight edges, and feet run ahead of a disc's turn.
         margin = WIDTHS * nominal_width_m(scene) + AHEAD * leeway_rad(scene) * scene.gear.pitch_radius_m
-        return _Edge(middles - reach, middles + reach, a, local, margin / spacing)
+        return _Edge(middles - reach, middles + reach, a, margin / spacing)
 
     def reachable(self, scene: Scene, wheel: int, sleeve: int, span_s: Span) -> npt.NDArray[np.bool_]:
         """Segments within reach of a pin during a span: its foot at the ideal mesh is followed along the edge."""
@@ -156,25 +153,26 @@ class _Machine:
         self.initial_states = self.kinematics.states(angles, rates)
         layout = self.layout
         self.drive_side = [INPUT, *range(layout.wheel_bodies.start, layout.wheel_bodies.stop)]
-        self.load_side = [OUTPUT, *range(layout.internal_bodies.start, layout.internal_bodies.stop)]
-        self.drive_tree = self._add_tree(self.drive_side, angles, rates, self.driver_kg_m2)
-        self.load_tree = self._add_tree(self.load_side, angles, rates, 0.0)
-        self.housing_side = list(range(layout.external_bodies.start, layout.external_bodies.stop))
-        self.housing_trees = [self._add_tree([body], angles, rates, 0.0) for body in self.housing_side]
+        relative = self.kinematics.relative(angles), self.kinematics.relative(rates)
+        self.drive_tree = self._add_tree(self.drive_side, *relative, self.driver_kg_m2)
+        carried = self.kinematics.lumped_moments(scene)[OUTPUT] - scene.mass.output_shaft.moment_kg_m2
+        self.load_tree = self._add_tree([OUTPUT], angles, rates, carried)
+        self.sleeves = list(range(layout.external_bodies.start, layout.bodies))
+        self.sleeve_trees = [self._add_tree([body], angles, rates, 0.0) for body in self.sleeves]
         self._add_dampers()
         self.outer = self._add_edges()
         self.inner = self._add_holes()
         self.system.Assemble()
 
     def _add_tree(self, bodies: list[int], angles: Floats, rates: Floats, rotor: float) -> Any:
-        """A carrier and what it carries; the first entry of `bodies` is the carrier."""
+        """A carrier and what it carries, with the angles and rates of its joints; the first of `bodies` is the carrier."""
         kinematics, parts = self.kinematics, self.scene.mass.of_bodies(self.scene.gear)
         count = len(bodies)
         node = self.system.AddNode(
             items.NodeGenericODE2(
                 referenceCoordinates=[0.0] * count,
-                initialCoordinates=kinematics.relative(angles)[bodies].tolist(),
-                initialCoordinates_t=kinematics.relative(rates)[bodies].tolist(),
+                initialCoordinates=angles[bodies].tolist(),
+                initialCoordinates_t=rates[bodies].tolist(),
                 numberOfODE2Coordinates=count,
             )
         )
@@ -225,19 +223,18 @@ class _Machine:
             load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, self.load.piece.load_n_m(t)]
         self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
-    def _add_edges(self) -> list[list[list[Any]]]:
-        """Curve contacts, one list of discs for every pin, one list of stiffnesses for every disc."""
+    def _add_edges(self) -> list[list[Any]]:
+        """Curve contacts, one list of discs for every pin."""
         scene, gear, of = self.scene, self.scene.gear, self.edge
         table = np.column_stack([of.starts.real, of.starts.imag, of.ends.real, of.ends.imag])
         stiffness = bed_stiffness(scene) / LENGTH
-        contacts: list[list[list[Any]]] = []
+        contacts: list[list[Any]] = []
         for sleeve in range(gear.external_sleeves):
-            seat = self._link_marker(self.housing_trees[sleeve], 0, 0j)
+            seat = self._link_marker(self.sleeve_trees[sleeve], 0, 0j)
             contacts.append([])
             for wheel in range(gear.wheels):
                 near = of.reachable(scene, wheel, sleeve, self.span_s)
-                alike = [(table[near & (of.local == one)], float(one) * stiffness) for one in np.unique(of.local[near])]
-                contacts[-1].append([self._add_curve(wheel, sleeve, seat, *part) for part in alike])
+                contacts[-1].append(self._add_curve(wheel, sleeve, seat, table[near], stiffness))
         return contacts
 
     def _add_curve(self, wheel: int, sleeve: int, seat: Any, segments: Floats, stiffness: float) -> Any:
@@ -303,31 +300,27 @@ class _Machine:
 
     def absolute(self) -> tuple[Floats, Floats]:
         """Absolute angles and rates of all bodies."""
-        order = self.drive_side + self.load_side + self.housing_side
+        order, wheels = [*self.drive_side, OUTPUT, *self.sleeves], self.layout.wheel_bodies
         data = self.system.systemData
-        absolute = []
-        for values in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()):
-            relative = np.zeros(self.layout.bodies)
-            relative[order] = values
-            absolute.append(self.kinematics.absolute(relative))
+        absolute = np.zeros((2, self.layout.bodies))
+        absolute[:, order] = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        absolute[:, wheels] += absolute[:, INPUT : INPUT + 1]
         return absolute[0], absolute[1]
 
     def forces(self, angles: Floats) -> tuple[Complexes, Complexes]:
         """Contact force on every ring and output pin, vector sums over the discs, N, ground frame."""
         gear, system, kinds = self.scene.gear, self.system, exu.OutputVariableType
         turns = np.exp(1j * angles[self.layout.wheel_bodies])
-        outer = np.zeros(gear.external_sleeves, dtype=np.complex128)
+        # x and y of every segment's force in the disc's frame, with the sign of the equations' left-hand side.
+        parts = [system.GetObjectOutput(contact, kinds.ForceLocal) for contacts in self.outer for contact in contacts]
+        starts = np.cumsum([0] + [len(part) // 2 for part in parts[:-1]])
+        local = np.add.reduceat(np.concatenate(parts).view(np.complex128), starts)
+        outer = -local.reshape(gear.external_sleeves, gear.wheels) @ turns
         inner = np.zeros(gear.internal_sleeves, dtype=np.complex128)
-        for sleeve, contacts in enumerate(self.outer):
-            for turn, alike in zip(turns, contacts, strict=True):
-                for contact in alike:
-                    # x and y of every segment's force in the disc's frame, with the sign of the equations' left-hand side.
-                    parts = np.asarray(system.GetObjectOutput(contact, kinds.ForceLocal)).reshape(-1, 2).sum(axis=0)
-                    outer[sleeve] -= complex(parts[0], parts[1]) * turn
         for sleeve, contacts in enumerate(self.inner):
             for contact in contacts:
-                parts = np.asarray(system.GetObjectOutput(contact, kinds.Force))
-                inner[sleeve] += complex(parts[0], parts[1])
+                x, y, _ = system.GetObjectOutput(contact, kinds.Force)
+                inner[sleeve] += complex(x, y)
         return outer, inner
 
     def driver_torque(self) -> float:
@@ -370,14 +363,14 @@ def run(
             angles, rates = machine.absolute()
             guard.check_states(time_s, angles, rates)
             outer, inner = machine.forces(angles)
-            guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
+            forces = np.abs(np.concatenate([outer, inner]))
+            guard.check_forces(time_s, forces)
             torque = machine.driver_torque()
             recorder.record_forces(
                 torque,
                 kinematics.torque_of_pins(angles[OUTPUT], outer, inner),
                 float(angles[OUTPUT]),
-                np.abs(outer),
-                np.abs(inner),
+                forces,
             )
             if on_progress is not None and on_progress(time_s):
                 raise Cancelled

@@ -261,13 +261,13 @@ def run(
                 angles, rates = machine.absolute()
                 guard.check_states(time_s, angles, rates)
                 outer, inner = machine.forces()
-                guard.check_forces(time_s, np.concatenate([np.abs(outer), np.abs(inner)]))
+                forces = np.abs(np.concatenate([outer, inner]))
+                guard.check_forces(time_s, forces)
                 recorder.record_forces(
                     -machine.driver_kg_m2 * float(data.qacc[machine.coordinate[INPUT]]),
                     machine.kinematics.torque_of_pins(angles[OUTPUT], outer, inner),
                     float(angles[OUTPUT]),
-                    np.abs(outer),
-                    np.abs(inner),
+                    forces,
                 )
                 if on_progress is not None and on_progress(time_s):
                     raise Cancelled
@@ -278,10 +278,11 @@ def run(
 
 
 def _advance(machine: _Machine, count: int, varies: bool) -> None:
-    """`count` steps; a load that varies is set anew for each."""
+    """`count` steps from a sample; a load that varies is set anew for each."""
     if not varies:
-        machine.set_load(0.0)
-        mujoco.mj_step(machine.model, machine.data, count)
+        # The sample's evaluation is that of the first step.
+        mujoco.mj_implicit(machine.model, machine.data)
+        mujoco.mj_step(machine.model, machine.data, count - 1)
         return
     for _ in range(count):
         machine.set_load(machine.data.time + 0.5 * machine.model.opt.timestep)

@@ -7,7 +7,6 @@ take turns, and warnings or a clock that is not where it should be raise `Diverg
 
 from __future__ import annotations
 
-import ctypes
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,11 +14,10 @@ from typing import Any
 
 import mujoco
 
+from pinwheel_engines.border import CALLBACK_TYPE
 from pinwheel_engines.guards import Guard
 
 _TURN = threading.RLock()
-
-_CALLBACK_TYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
 
 VERSION = str(mujoco.__version__)
 
@@ -49,7 +47,7 @@ class Callback:
         self.function = function
         self.error: BaseException | None = None
         # The address must stay alive as long as MuJoCo may call it.
-        self.pointer = _CALLBACK_TYPE(self._call)
+        self.pointer = CALLBACK_TYPE(self._call)
 
     def _call(self, _model: Any, _data: Any) -> None:
         if self.error is None:
@@ -63,11 +61,6 @@ class Callback:
         if self.error is not None:
             error, self.error = self.error, None
             raise error
-
-
-def callback_at(address: int) -> Any:
-    """A C function at an address, in the shape that MuJoCo's setters accept."""
-    return _CALLBACK_TYPE(address)
 
 
 def check_data(guard: Guard, data: mujoco.MjData, expected_time_s: float) -> None:

@@ -10,18 +10,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
+from pinwheel_engines.border import (
+    CALLBACK_TYPE,
+    LawPointer,
+    StageLaw,
+    attached,
+    check_bearings,
+    check_not_frozen,
+    detach,
+    joint_layout,
+)
 from pinwheel_engines.errors import Cancelled, Diverged, EngineFailed
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.mujoco.model import coordinates, slides, tree_xml
-from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, check_data, quiet_session
+from pinwheel_engines.mujoco.session import VERSION, Callback, check_data, quiet_session
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_states
@@ -42,35 +50,6 @@ def model_xml(scene: Scene, step_s: float) -> str:
         '<flag contact="disable" constraint="disable" autoreset="disable"/></option>'
         f"<worldbody>{tree_xml(scene, scene.mass.driver_kg_m2(DRIVER_WHEELS))}</worldbody></mujoco>"
     )
-
-
-def mujoco_layout(kinematics: Kinematics, model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Any]:
-    """Addresses of MuJoCo's arrays for a compiled callback; all addresses stay valid until the run ends.
-
-    Addresses (integers): `qpos`, `qvel`, `qfrc_passive` (doubles, `coordinates` of each), `counters` (two 64-bit integers,
-    to be incremented by the callback: calls, and calls whose qpos or qvel differ from the call before), `data` (the
-    mjData this layout belongs to: the callback is process-wide and must leave any other one alone).
-    Lists, one entry a body: `coordinate` (its hinge's index in the three arrays), `carrier` (body it sits on, -1 for the
-    ground; its absolute angle is its hinge's plus its carrier's), `offset_x_m`, `offset_y_m` (its centre on its carrier).
-    The callback adds to `qfrc_passive`, per hinge, the torques of `Kinematics.torques` on absolute angles, plus for every
-    carried body its own torque once more on its carrier's hinge, because that hinge turns it too.
-    """
-    counters = np.zeros(2, dtype=np.int64)
-    coordinate = coordinates(kinematics, model)
-    return {
-        "bodies": kinematics.layout.bodies,
-        "coordinates": int(model.nv),
-        "qpos": int(data.qpos.ctypes.data),
-        "qvel": int(data.qvel.ctypes.data),
-        "qfrc_passive": int(data.qfrc_passive.ctypes.data),
-        "data": int(data._address),
-        "counters": int(counters.ctypes.data),
-        "counters_array": counters,
-        "coordinate": coordinate.tolist(),
-        "carrier": kinematics.carriers.tolist(),
-        "offset_x_m": kinematics.offsets.real.tolist(),
-        "offset_y_m": kinematics.offsets.imag.tolist(),
-    }
 
 
 class _Machine:
@@ -151,11 +130,10 @@ def run(
         machine = _Machine(scene, wanted, stage_law, initial)
         model, data = machine.model, machine.data
         passive = Callback(machine.add_contact_torques)
-        layout = mujoco_layout(machine.kinematics, model, data)
-        # The compiled callback knows hinges alone.
-        attach = law.attach_mujoco if law is not None and not scene.floats else None
-        address = attach(layout) if attach is not None else None
-        mujoco.set_mjcb_passive(passive.pointer if address is None else callback_at(address))
+        arrays = (data.qpos, data.qvel, data.qfrc_passive)
+        layout = joint_layout(machine.kinematics, machine.coordinate, int(data._address), *arrays)
+        address = attached(scene, law, layout)
+        mujoco.set_mjcb_passive(passive.pointer if address is None else CALLBACK_TYPE(address))
         control = Callback(machine.set_load)
         if scene.drive.load_varies:
             mujoco.set_mjcb_control(control.pointer)
@@ -216,6 +194,5 @@ def run(
             raise
         finally:
             mujoco.set_mjcb_passive(None)
-            if address is not None and law is not None and law.detach_mujoco is not None:
-                law.detach_mujoco()
+            detach(law)
         return finish()

@@ -124,12 +124,11 @@ fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>)
     let _ = process::run(&mut command, None, &mut |piece| {
         let output = piece.filter(|piece| !piece.stderr);
         let output = output.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
-        if let Some(left_s) = output.and_then(|output| output.lines().last()?.parse().ok()) {
-            (control.progress)(Progress {
-                left_s: Some(left_s),
-                ..Progress::new(0, 1, name)
-            });
-        }
+        // Without a new time the one that is shown still has to fall.
+        (control.progress)(Progress {
+            left_s: output.and_then(|output| output.lines().last()?.parse().ok()),
+            ..Progress::new(0, 1, name)
+        });
         control.is_cancelled().then_some(End::Cancelled)
     });
 }

@@ -41,7 +41,7 @@ pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
     package: "exudyn",
     refinement: Some(Refinement::step(4.0)),
     explicit_friction: true,
-    usual_s: 27.5,
+    usual_s: 10.0,
     differences: "Joints are coordinates, as in MuJoCo, but in exudyn's kinematic tree with exudyn's Runge-Kutta 4 \
         at the scene's step, and our contact law in every stage, called through Python, which is part of its CPU time, though the \
         law behind it is compiled; friction is therefore explicit. The input speed is \
@@ -61,7 +61,7 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
     // every step.
     floor: 1e-7,
     digits: 7,
-    usual_s: 17.0,
+    usual_s: 16.0,
     differences: "The closest relative of the published formulation: three coordinates a body, revolutes and \
         driver as constraints with Lagrange multipliers. Time integration is an implicit second-order method (index \
         2: constraints hold at velocity level, and positions drift by a part of a step squared) with Newton \
@@ -81,7 +81,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     stands_in: Some(1),
     own_contact: OwnContact::Balls,
     model: model::BED,
-    usual_s: 9.6,
+    usual_s: 6.0,
     differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each disc's \
         edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
         K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
@@ -101,7 +101,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     stands_in: Some(0),
     own_contact: OwnContact::Balls,
     model: model::BED,
-    usual_s: 40.0,
+    usual_s: 14.0,
     differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each disc's \
         edge is a bed of 4000 spring segments or more, which conserve energy where the paper's law does not; holes are \
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \

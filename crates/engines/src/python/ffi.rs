@@ -8,7 +8,7 @@
 //! - with an unknown number, or a null address, the call does nothing;
 //! - neither address is stored.
 //!
-//! Contract of [`passive`] (MuJoCo's `mjcb_passive`, on the thread that steps `data`):
+//! Contract of [`passive`] (MuJoCo's `mjcb_passive`, also called by exudyn's force function, on the thread that steps `data`):
 //! - while a run with this `data` is attached, its [`Addresses`](super::mujoco::Addresses) are valid, of the lengths given,
 //!   aligned, apart from one another, and used by no other thread;
 //! - any other `data` is not accessed, so a late callback does nothing.

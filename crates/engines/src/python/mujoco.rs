@@ -1,4 +1,4 @@
-//! Conversion of MuJoCo's joint angles to body states, and of contact loads to joint torques.
+//! Conversion of joint angles of MuJoCo and exudyn to body states, and of contact loads to joint torques.
 //!
 //! Joint angles are relative to the carrier. A carried body's own torque also acts on its carrier's joint, which turns it,
 //! and its force acts there with the arm's lever.
@@ -12,7 +12,7 @@ use super::law::{Law, locked};
 /// Joint coordinate of a body and position of the body on its carrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Index of the body's joint in MuJoCo's arrays.
+    /// Index of the body's joint in the engine's arrays.
     pub coordinate: usize,
     /// Carrying body; `None`: the ground. Carriers are on the ground themselves.
     pub carrier: Option<usize>,
@@ -20,10 +20,10 @@ pub struct Place {
     pub offset: [f64; 2],
 }
 
-/// Addresses of a run's numbers in MuJoCo, valid until it detaches.
+/// Addresses of a run's numbers in the engine, valid until it detaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Addresses {
-    /// Address of the mjData.
+    /// Address of the mjData, or another one that is the run's alone.
     pub data: usize,
     /// Joint angles, `coordinates` doubles.
     pub qpos: usize,
@@ -55,7 +55,7 @@ impl Addresses {
     }
 }
 
-/// Run of MuJoCo with the contact law.
+/// Run of an engine with the contact law.
 pub struct Attached {
     pub run: usize,
     pub addresses: Addresses,
@@ -69,7 +69,7 @@ pub struct Attached {
     pub loads: Vec<f64>,
 }
 
-/// Runs for which MuJoCo may call back. The callback is process-wide: the data passed to it identify the run.
+/// Runs for which an engine may call back. The callback is process-wide: the data passed to it identify the run.
 pub static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
 
 /// Attaches a run for callbacks, and detaches earlier ones of the same law or data: freed memory is reused, so an earlier
