@@ -287,7 +287,8 @@ def sweep(
     `{"from": 0.0, "to": 1e-3, "points": 11}`; all combinations are run. `sample` takes keys at random instead, or besides:
     `{"points": 1000, "backlash_m": {"from": 0.0, "to": 1e-5}}`; `specification`: limits on columns of the results,
     `{"lost_motion_arcmin": {"most": 1.0}}`, and the yield in `tolerances`. `together`: keys that change in step, one axis;
-    a list of such gives several. `time_series`: keep those of every run, "csv", or "parquet" where it is built in. `keys` are set in every run.
+    a list of such gives several. `time_series`: keep those of every run, "csv", or
+    "parquet" where it is built in. `keys` are set in every run.
     `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
     second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
     same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
