@@ -73,7 +73,7 @@ fn map(dir: &Path, uncertainty: &str) {
 
 fn nothing_confirms() {
     browse(|browser, dir| {
-        let short = "--set solver.duration_s=0.01";
+        let short = "--set solver.duration_s=0.005";
         // A single engine agrees with its load, and has no partner.
         let alone = Answer::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
         alone.check("open", "Not confirmed", &["no agreement yet"]);
@@ -140,7 +140,7 @@ fn nothing_confirms() {
 /// explain it.
 fn other_contacts_are_named() {
     browse(|browser, dir| {
-        let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
+        let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.05 --set contact.law=hunt-crossley";
         // No engine confirms the scene's law.
         let answer = Answer::of(browser, dir, command, 4);
         let wanted = [

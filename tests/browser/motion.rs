@@ -21,11 +21,11 @@ pub(crate) fn moves(browser: &mut Chromium, page: &Path) {
       const wait = (ms) => new Promise((r) => setTimeout(r, ms));
       const at = () => host.querySelector('.at').textContent;
       const moving = async () => { const before = at(); for (let k = 0; k < most && at() === before; k += 1) await wait(25); return at() !== before; };
-      const most = matchMedia('(prefers-reduced-motion: reduce)').matches ? 12 : 80;
+      const most = matchMedia('(prefers-reduced-motion: reduce)').matches ? 24 : 80;
       for (let k = 0; k < 200 && !('ready' in host.dataset); k += 1) await wait(25);
       host.scrollIntoView();
       const began = await moving();
-      if (most < 40) return [began];
+      if (most < 80) return [began];
       host.querySelector('.play').click();
       const paused = at(); await wait(250);
       const stopped = at() === paused;

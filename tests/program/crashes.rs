@@ -37,7 +37,7 @@ const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduce
 
 static WRITERS: [Writer; 14] = [
     writer(
-        "run paper --set solver.duration_s=0.4 --out out",
+        "run paper --set solver.duration_s=0.1 --out out",
         "out",
         &["courses.csv"],
     ),
